@@ -1,0 +1,233 @@
+//! Which tree to build: the closed sets of choices, their ranges and their defaults.
+
+use serde::{Deserialize, Serialize};
+
+/// How splits are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Builder {
+    Median,
+    Sweep,
+    #[default]
+    Binned,
+}
+
+impl Builder {
+    pub const ALL: [Self; 3] = [Self::Median, Self::Sweep, Self::Binned];
+
+    /// The stable name, as in `--builder NAME`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Median => "median",
+            Self::Sweep => "sweep",
+            Self::Binned => "binned",
+        }
+    }
+
+    /// One line for lists and tooltips.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Median => {
+                "object median: sort along the longest axis of the node's box, split at the middle"
+            }
+            Self::Sweep => "full sweep: every position on all three axes, least SAH split cost",
+            Self::Binned => "binned SAH: the same over a few bins instead of every position",
+        }
+    }
+
+    /// Whether `--bins` changes the tree.
+    pub fn uses_bins(self) -> bool {
+        match self {
+            Self::Binned => true,
+            Self::Median | Self::Sweep => false,
+        }
+    }
+}
+
+/// How many children a node has at most.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(try_from = "usize", into = "usize")]
+pub enum Width {
+    #[default]
+    W2,
+    W4,
+    W8,
+}
+
+impl Width {
+    pub const ALL: [Self; 3] = [Self::W2, Self::W4, Self::W8];
+
+    pub fn get(self) -> usize {
+        match self {
+            Self::W2 => 2,
+            Self::W4 => 4,
+            Self::W8 => 8,
+        }
+    }
+
+    /// `2`, `4` or `8`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::W2 => "2",
+            Self::W4 => "4",
+            Self::W8 => "8",
+        }
+    }
+}
+
+impl From<Width> for usize {
+    fn from(width: Width) -> usize {
+        width.get()
+    }
+}
+
+impl TryFrom<usize> for Width {
+    type Error = ConfigError;
+
+    fn try_from(width: usize) -> Result<Self, ConfigError> {
+        Self::ALL.into_iter().find(|w| w.get() == width).ok_or(ConfigError::Width { width })
+    }
+}
+
+/// How nodes of width 4 and 8 are made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Widen {
+    /// Several splits at once, directly.
+    #[default]
+    Split,
+    /// From the finished binary tree, opening the child with the largest area first.
+    Collapse,
+}
+
+impl Widen {
+    pub const ALL: [Self; 2] = [Self::Split, Self::Collapse];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Split => "split",
+            Self::Collapse => "collapse",
+        }
+    }
+
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Split => "direct: split again and again until the node is full",
+            Self::Collapse => "from the binary tree, the child with the largest area opened first",
+        }
+    }
+}
+
+/// When a node becomes a leaf.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StopRule {
+    /// As soon as it holds no more than `leaf` references.
+    #[default]
+    Limit,
+    /// When it holds no more than `leaf` references and splitting would not lower the SAH cost.
+    Cost,
+}
+
+impl StopRule {
+    pub const ALL: [Self; 2] = [Self::Limit, Self::Cost];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Limit => "limit",
+            Self::Cost => "cost",
+        }
+    }
+
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Limit => "a leaf as soon as its shapes fit the leaf limit",
+            Self::Cost => "a leaf when its shapes fit the limit and a split would not lower the SAH cost",
+        }
+    }
+}
+
+/// Everything that decides which tree is built over given boxes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct BuildConfig {
+    pub builder: Builder,
+    pub width: Width,
+    pub widen: Widen,
+    pub stop: StopRule,
+    /// Number of bins an axis, in [`BuildConfig::BINS`].
+    pub bins: usize,
+    /// Most references in a leaf, in [`BuildConfig::LEAF`].
+    pub leaf: usize,
+    /// C_t of the SAH cost: the price of visiting a node.
+    pub traversal_cost: f32,
+    /// C_i of the SAH cost: the price of testing a shape.
+    pub intersection_cost: f32,
+}
+
+impl Default for BuildConfig {
+    fn default() -> Self {
+        Self {
+            builder: Builder::default(),
+            width: Width::default(),
+            widen: Widen::default(),
+            stop: StopRule::default(),
+            bins: 16,
+            leaf: 2,
+            traversal_cost: 1.0,
+            intersection_cost: 1.0,
+        }
+    }
+}
+
+/// A setting outside its range.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ConfigError {
+    #[error("width {width} is not one of 2, 4, 8")]
+    Width { width: usize },
+    #[error("bins {bins} is outside 2 to 256")]
+    Bins { bins: usize },
+    #[error("leaf {leaf} is outside 1 to 64")]
+    Leaf { leaf: usize },
+    #[error("{name} {value} is not a number above 0 and up to 1000")]
+    Cost { name: &'static str, value: f32 },
+}
+
+impl BuildConfig {
+    pub const BINS: std::ops::RangeInclusive<usize> = 2..=256;
+    pub const LEAF: std::ops::RangeInclusive<usize> = 1..=64;
+    /// No leaf lies deeper; so traversal has a fixed stack.
+    pub const MAX_DEPTH: usize = 64;
+    /// Largest settable traversal or intersection cost.
+    pub const MAX_COST: f32 = 1000.0;
+
+    /// The five trees of the first table, by name, at this leaf limit, number of bins and these costs.
+    pub fn five_trees(&self) -> [(&'static str, Self); 5] {
+        let base = Self { stop: StopRule::Limit, widen: Widen::Split, ..*self };
+        [
+            ("BVH", Self { builder: Builder::Median, width: Width::W2, ..base }),
+            ("BVH_SAH", Self { builder: Builder::Sweep, width: Width::W2, ..base }),
+            ("QBVH", Self { builder: Builder::Sweep, width: Width::W4, ..base }),
+            ("BVH_BIN", Self { builder: Builder::Binned, width: Width::W2, ..base }),
+            ("QBVH_BIN", Self { builder: Builder::Binned, width: Width::W4, ..base }),
+        ]
+    }
+
+    /// Checks every range. Errors name the setting, the value and the range.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        if !Self::BINS.contains(&self.bins) {
+            return Err(ConfigError::Bins { bins: self.bins });
+        }
+        if !Self::LEAF.contains(&self.leaf) {
+            return Err(ConfigError::Leaf { leaf: self.leaf });
+        }
+        for (name, value) in
+            [("traversal-cost", self.traversal_cost), ("intersection-cost", self.intersection_cost)]
+        {
+            if !(value > 0.0 && value <= Self::MAX_COST) {
+                return Err(ConfigError::Cost { name, value });
+            }
+        }
+        Ok(())
+    }
+}

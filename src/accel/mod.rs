@@ -1,0 +1,15 @@
+//! Trees over boxes: how they are built, walked, measured and checked. Never names a scene, a shape or a material;
+//! a builder sees boxes, and traversal asks a [`traverse::LeafIntersector`] about what lies in a leaf.
+
+pub mod build;
+pub mod config;
+pub mod quality;
+pub mod traverse;
+pub mod tree;
+pub mod validate;
+pub mod widen;
+
+pub use build::{BuildPhase, BuildReport, build};
+pub use config::{BuildConfig, Builder, ConfigError, StopRule, Widen, Width};
+pub use traverse::{LeafIntersector, Probe, RayCounters};
+pub use tree::{Bvh2, ChildRef, NodeId, NodeKind, NodeView, Tree, WideBvh};

@@ -1,0 +1,187 @@
+//! The trees: [`Bvh2`] as builders make it, [`WideBvh`] as rays walk it, and [`Tree`], any width behind one face.
+
+use crate::geometry::Aabb;
+
+use super::config::Width;
+
+/// A binary tree as top-down builders make it: node 0 is the root, siblings lie side by side.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Bvh2 {
+    pub nodes: Vec<Bvh2Node>,
+    /// Shape indices in leaf order.
+    pub refs: Vec<u32>,
+}
+
+/// An inner node (`count == 0`, children at `first` and `first + 1`) or a leaf (references `first..first + count`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bvh2Node {
+    pub bounds: Aabb,
+    pub first: u32,
+    pub count: u32,
+}
+
+impl Bvh2Node {
+    #[inline]
+    pub fn is_leaf(&self) -> bool {
+        self.count > 0
+    }
+}
+
+/// A child slot: nothing, an inner node, or a leaf.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ChildRef(pub u32);
+
+impl ChildRef {
+    pub const EMPTY: Self = Self(u32::MAX);
+    const LEAF_BIT: u32 = 1 << 31;
+
+    #[inline]
+    pub fn inner(node_idx: u32) -> Self {
+        debug_assert!(node_idx < Self::LEAF_BIT);
+        Self(node_idx)
+    }
+
+    #[inline]
+    pub fn leaf(leaf_idx: u32) -> Self {
+        debug_assert!(leaf_idx < Self::LEAF_BIT - 1);
+        Self(leaf_idx | Self::LEAF_BIT)
+    }
+
+    #[inline]
+    pub fn is_empty(self) -> bool {
+        self == Self::EMPTY
+    }
+
+    /// The index of the inner node, if it is one.
+    #[inline]
+    pub fn as_inner(self) -> Option<u32> {
+        (self.0 & Self::LEAF_BIT == 0).then_some(self.0)
+    }
+
+    /// The index of the leaf, if it is one.
+    #[inline]
+    pub fn as_leaf(self) -> Option<u32> {
+        (self.0 & Self::LEAF_BIT != 0 && !self.is_empty()).then_some(self.0 & !Self::LEAF_BIT)
+    }
+}
+
+/// An inner node with up to `N` children, boxes as structure of arrays. Filled slots come first; an empty slot has the
+/// box [`Aabb::EMPTY`], which no ray hits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(32))]
+pub struct WideNode<const N: usize> {
+    /// `child_min[axis][slot]`.
+    pub child_min: [[f32; N]; 3],
+    pub child_max: [[f32; N]; 3],
+    pub children: [ChildRef; N],
+}
+
+/// References `first..first + count` of [`WideBvh::refs`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LeafRange {
+    pub first: u32,
+    pub count: u32,
+}
+
+/// A tree whose inner nodes have up to `N` children, ready to be walked. Inner nodes are in depth-first order of
+/// creation with the root, if it is an inner node, at index 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WideBvh<const N: usize> {
+    pub root: ChildRef,
+    pub bounds: Aabb,
+    pub nodes: Vec<WideNode<N>>,
+    pub leaves: Vec<LeafRange>,
+    /// Shape indices in leaf order.
+    pub refs: Vec<u32>,
+}
+
+/// A finished tree of any width. Immutable once built.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Tree {
+    W2(WideBvh<2>),
+    W4(WideBvh<4>),
+    W8(WideBvh<8>),
+}
+
+/// Inner nodes come first (`0..inner_count`), then leaves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct NodeId(pub u32);
+
+/// What lies below a node.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NodeKind<'a> {
+    /// The children with their boxes, in slot order.
+    Inner(Vec<(NodeId, Aabb)>),
+    /// The indices of the leaf's shapes.
+    Leaf(&'a [u32]),
+}
+
+/// One node met on a walk.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NodeView<'a> {
+    pub id: NodeId,
+    pub parent: Option<NodeId>,
+    /// The root is at depth 0.
+    pub depth: u32,
+    pub bounds: Aabb,
+    pub kind: NodeKind<'a>,
+}
+
+/// Runs the same expression on the tree of whichever width it is.
+#[macro_export]
+macro_rules! each_width {
+    ($tree:expr, $t:ident => $body:expr) => {
+        match $tree {
+            $crate::accel::Tree::W2($t) => $body,
+            $crate::accel::Tree::W4($t) => $body,
+            $crate::accel::Tree::W8($t) => $body,
+        }
+    };
+}
+
+impl Tree {
+    pub fn width(&self) -> Width {
+        match self {
+            Self::W2(_) => Width::W2,
+            Self::W4(_) => Width::W4,
+            Self::W8(_) => Width::W8,
+        }
+    }
+
+    pub fn bounds(&self) -> Aabb {
+        each_width!(self, t => t.bounds)
+    }
+
+    pub fn inner_count(&self) -> usize {
+        each_width!(self, t => t.nodes.len())
+    }
+
+    pub fn leaf_count(&self) -> usize {
+        each_width!(self, t => t.leaves.len())
+    }
+
+    /// Inner nodes + leaves.
+    pub fn node_count(&self) -> usize {
+        self.inner_count() + self.leaf_count()
+    }
+
+    /// Shape indices in leaf order; a shape may stand there more than once.
+    pub fn refs(&self) -> &[u32] {
+        each_width!(self, t => &t.refs)
+    }
+
+    pub fn leaves(&self) -> &[LeafRange] {
+        each_width!(self, t => &t.leaves)
+    }
+
+    /// Bytes of nodes, leaves and references (not of the shapes).
+    pub fn bytes(&self) -> usize {
+        each_width!(self, t => size_of_val(&t.nodes[..]) + size_of_val(&t.leaves[..]) + size_of_val(&t.refs[..]))
+    }
+
+    /// Visits every node once, parents before children, depth first. Return `false` to skip what is below a node.
+    pub fn walk<'a>(&'a self, mut visit: impl FnMut(NodeView<'a>) -> bool) {
+        let _ = &mut visit;
+        todo!()
+    }
+}

@@ -1,0 +1,1 @@
+//! Binary to wide: children with the largest area opened first.

@@ -1,0 +1,81 @@
+//! What panels ask for. Applied in order after the panels are drawn.
+
+use std::path::PathBuf;
+
+use crate::scene::SceneRef;
+use crate::session::Session;
+
+/// One request. Nothing is lost: every command of a frame is applied, in order.
+pub enum Command {
+    /// Changes settings; the stages below what changed run again.
+    Edit(Box<dyn FnOnce(&mut Session) + Send>),
+    /// A slider of the Build panel is held (`true`) or let go: while it is held the heatmap's range stays.
+    HoldRange(bool),
+    OpenScene(SceneRef),
+    /// A session or a PNG that carries one.
+    OpenSession(PathBuf),
+    SaveSession(PathBuf),
+    /// Shows the system's file dialog, off the window's thread.
+    AskOpen,
+    SetAnimating(bool),
+    CancelLoad,
+    CancelBuild,
+    /// Frames the camera to the scene / goes back to the scene's own camera.
+    FrameScene,
+    ResetCamera,
+    SetPaused(bool),
+    /// Measures the five trees anew; stops doing so.
+    MeasureTable,
+    CancelTable,
+    /// Sets view, camera and scene so that the false shadow on the glossy floor is seen.
+    ShadowPreset,
+    Export(ExportRequest),
+    CancelExport,
+    CopyText {
+        text: String,
+        what: &'static str,
+    },
+    /// Shows a message in the window.
+    Report {
+        message: String,
+        error: bool,
+    },
+    /// Dark or light.
+    SetDark(bool),
+    ResetLayout,
+}
+
+/// A file to write.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ExportRequest {
+    /// The viewport, rendered at this size with this many samples.
+    Picture { path: PathBuf, width: u32, height: u32, samples: u32, overlay: bool, legend: bool },
+    /// The whole window as it is.
+    Window { path: PathBuf },
+    /// The raw numbers or linear colours of the viewport's film: `.exr` or `.csv`.
+    Raw { path: PathBuf },
+    /// The figures of the current tree: `.json` or `.csv`.
+    Figures { path: PathBuf },
+}
+
+/// The commands of one frame.
+#[derive(Default)]
+pub struct Commands {
+    queue: Vec<Command>,
+}
+
+impl Commands {
+    pub fn push(&mut self, command: Command) {
+        self.queue.push(command);
+    }
+
+    /// Changes the session.
+    pub fn edit(&mut self, change: impl FnOnce(&mut Session) + Send + 'static) {
+        self.push(Command::Edit(Box::new(change)));
+    }
+
+    /// Takes all commands, oldest first.
+    pub fn take(&mut self) -> Vec<Command> {
+        std::mem::take(&mut self.queue)
+    }
+}

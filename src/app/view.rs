@@ -1,0 +1,135 @@
+//! What panels read: one frame's state of the program, borrowed, never changed by a panel.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use crate::accel::BuildConfig;
+use crate::inspect::bin_sweep::BinPoint;
+use crate::inspect::histogram::Histogram;
+use crate::inspect::shadow_difference::ClassCounts;
+use crate::inspect::stats::TreeStats;
+use crate::render::measure::RayFigures;
+use crate::render::{Film, Overlay};
+use crate::scene::{Scene, SceneRef};
+use crate::session::Session;
+use crate::world::World;
+
+use super::theme::Palette;
+
+/// Everything a panel may look at while it draws.
+pub struct AppView<'a> {
+    pub session: &'a Session,
+    pub palette: &'a Palette,
+    /// The scene at the session's time; `None` until the first one is loaded.
+    pub scene: Option<&'a Arc<Scene>>,
+    /// What had to be repaired to load it.
+    pub scene_warnings: &'a [String],
+    /// The newest finished tree. May lag behind `session.build()` while a build runs.
+    pub world: Option<&'a Arc<World>>,
+    pub recent: &'a [SceneRef],
+    pub animating: bool,
+    /// Jobs that run now.
+    pub loading: Option<JobStatus>,
+    pub building: Option<JobStatus>,
+    pub exporting: Option<JobStatus>,
+    /// Newest last, at most 50.
+    pub history: &'a [HistoryEntry],
+    /// The raw content of the picture in the viewport.
+    pub film: Option<&'a Film>,
+    /// Of the film's numbers, over `range`; `None` on a film of colours.
+    pub histogram: Option<&'a Histogram>,
+    /// The range that the colour map covers now.
+    pub range: Option<[f32; 2]>,
+    /// Whether the range is held because a slider of the Build panel is being dragged.
+    pub range_locked: bool,
+    pub hover: Option<Hover>,
+    pub overlay: Option<&'a Overlay>,
+    /// Camera rays of the newest tree, counted.
+    pub rays: Option<&'a RayFigures>,
+    pub bin_curve: &'a BinCurve,
+    pub table: &'a TableState,
+    pub shadow: &'a ShadowState,
+    pub render: RenderStatus,
+}
+
+/// A running job.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JobStatus {
+    /// What it does, as in "building binned, 32 bins".
+    pub what: String,
+    pub elapsed: Duration,
+    /// In 0..=1, where it is known.
+    pub fraction: Option<f32>,
+}
+
+/// One finished build of this run of the program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HistoryEntry {
+    /// Counts up from 1.
+    pub number: usize,
+    pub config: BuildConfig,
+    pub scene: String,
+    pub build_ms: f64,
+    pub sah_cost: Option<f64>,
+    /// Mean of the camera rays; `None` until counted.
+    pub nodes_visited_mean: Option<f64>,
+}
+
+/// What lies under the mouse in the viewport.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hover {
+    /// Film pixel.
+    pub x: u32,
+    pub y: u32,
+    /// The film's number there.
+    pub value: Option<f32>,
+    pub shape: Option<u32>,
+    /// Along the camera ray.
+    pub distance: Option<f32>,
+}
+
+/// What the bins do, for one scene, camera and base configuration.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BinCurve {
+    /// In order of bins.
+    pub points: Vec<BinPoint>,
+    /// The full sweep.
+    pub sweep: Option<BinPoint>,
+    /// Points still to come.
+    pub pending: usize,
+}
+
+/// The five trees.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TableState {
+    pub rows: Vec<TreeStats>,
+    pub running: Option<JobStatus>,
+    /// Whether scene, camera or settings have changed since the rows were measured.
+    pub stale: bool,
+}
+
+/// What the shadow views say of the current picture; filled while the Shadows panel is open.
+#[derive(Clone, Debug, Default)]
+pub struct ShadowState {
+    pub counts: Option<ClassCounts>,
+    /// Nodes visited per asked shadow ray by `intersect`, by plain `occluded`, by the filtered one.
+    pub nodes_mean: Option<[f64; 3]>,
+    pub running: bool,
+}
+
+/// How the picture is coming on.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RenderStatus {
+    /// Samples a pixel so far, and the goal if there is one.
+    pub samples: u32,
+    pub goal: Option<u32>,
+    /// Samples of single pixels, a second, in millions.
+    pub msamples_per_s: Option<f64>,
+    /// Wall time of the last sample over the whole picture.
+    pub sample_ms: Option<f64>,
+    pub paused: bool,
+    /// A timed measurement holds the lease.
+    pub measuring: bool,
+    /// Width and height of the film, which is coarser than the viewport while the camera moves.
+    pub size: [u32; 2],
+}

@@ -1,0 +1,24 @@
+//! Rays, boxes, transforms, and each shape's own intersection maths. Knows nothing of scenes or trees.
+
+pub mod aabb;
+pub mod ray;
+pub mod shape;
+pub mod transform;
+
+pub mod cuboid;
+pub mod plane;
+pub mod quad;
+pub mod sphere;
+pub mod torus;
+pub mod triangle;
+
+pub use aabb::Aabb;
+pub use cuboid::Cuboid;
+pub use plane::Plane;
+pub use quad::Quad;
+pub use ray::{Hit, PreparedRay, Ray};
+pub use shape::{Shape, ShapeHit, ShapeKind, SurfacePoint, SurfaceSample};
+pub use sphere::Sphere;
+pub use torus::Torus;
+pub use transform::Rigid;
+pub use triangle::Triangle;

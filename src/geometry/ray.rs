@@ -1,0 +1,97 @@
+//! Rays and hits.
+//!
+//! The shear of [`PreparedRay`] is that of Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection" (2013).
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// A ray segment: points `origin + t * direction` for `t_min <= t <= t_max`. The direction need not be of unit length;
+/// t is in units of it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ray {
+    pub origin: Vec3,
+    pub direction: Vec3,
+    pub t_min: f32,
+    pub t_max: f32,
+}
+
+impl Ray {
+    /// A ray from `origin` without end.
+    #[inline]
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
+    }
+
+    #[inline]
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.origin + t * self.direction
+    }
+}
+
+/// The nearest hit so far. `u`, `v` are the barycentric coordinates of a triangle's vertices 1 and 2; for every other
+/// shape they are zero or what that shape's `intersect` wants to remember for its `surface`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Hit {
+    pub t: f32,
+    /// Index of the shape in the scene; [`Hit::NO_SHAPE`] for none yet.
+    pub shape: u32,
+    pub u: f32,
+    pub v: f32,
+}
+
+impl Hit {
+    /// The shape index of a miss. Larger than every real one, so that any hit at an equal t replaces it.
+    pub const NO_SHAPE: u32 = u32::MAX;
+
+    /// No hit up to `t_max`.
+    #[inline]
+    pub fn none(t_max: f32) -> Self {
+        Self { t: t_max, shape: Self::NO_SHAPE, u: 0.0, v: 0.0 }
+    }
+
+    #[inline]
+    pub fn is_some(&self) -> bool {
+        self.shape != Self::NO_SHAPE
+    }
+
+    /// Whether a candidate replaces this hit: nearer, or as near with a lower shape index, so that the answer does
+    /// not depend on the order in which a tree asks.
+    #[inline]
+    pub fn is_beaten_by(&self, t: f32, shape: u32) -> bool {
+        t < self.t || (t == self.t && shape < self.shape)
+    }
+}
+
+/// A ray with what box and triangle tests need computed once.
+#[derive(Clone, Copy, Debug)]
+pub struct PreparedRay {
+    pub ray: Ray,
+    /// `1 / direction`, with infinities where a component is zero.
+    pub inv_direction: Vec3,
+    /// Axis indices after the permutation that makes the largest direction component the z axis.
+    pub k: [usize; 3],
+    /// Shear `(d.x / d.z, d.y / d.z, 1 / d.z)` in permuted axes.
+    pub shear: Vec3,
+}
+
+impl PreparedRay {
+    #[inline]
+    pub fn new(ray: Ray) -> Self {
+        let d = ray.direction;
+        let a = d.abs();
+        let kz = if a.x >= a.y && a.x >= a.z {
+            0
+        } else if a.y >= a.z {
+            1
+        } else {
+            2
+        };
+        let (mut kx, mut ky) = ((kz + 1) % 3, (kz + 2) % 3);
+        // Keeps the winding of the triangle under the permutation.
+        if d[kz] < 0.0 {
+            std::mem::swap(&mut kx, &mut ky);
+        }
+        let shear = Vec3::new(d[kx] / d[kz], d[ky] / d[kz], 1.0 / d[kz]);
+        Self { ray, inv_direction: d.recip(), k: [kx, ky, kz], shear }
+    }
+}

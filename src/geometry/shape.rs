@@ -1,0 +1,131 @@
+//! The closed set of bounded shapes, and what each of them can be asked.
+
+use glam::{Vec2, Vec3};
+use serde::{Deserialize, Serialize};
+
+use super::{Aabb, Cuboid, PreparedRay, Quad, Ray, Sphere, Torus, Triangle};
+
+/// The kinds of bounded shapes. A plane is unbounded and is not among them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum ShapeKind {
+    Triangle,
+    Sphere,
+    Cuboid,
+    Quad,
+    Torus,
+}
+
+impl ShapeKind {
+    pub const ALL: [Self; 5] = [Self::Triangle, Self::Sphere, Self::Cuboid, Self::Quad, Self::Torus];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Triangle => "triangle",
+            Self::Sphere => "sphere",
+            Self::Cuboid => "cuboid",
+            Self::Quad => "quad",
+            Self::Torus => "torus",
+        }
+    }
+}
+
+/// One bounded shape, by value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    Triangle(Triangle),
+    Sphere(Sphere),
+    Cuboid(Cuboid),
+    Quad(Quad),
+    Torus(Torus),
+}
+
+/// What a shape's `intersect` answers; `u`, `v` as in [`super::Hit`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeHit {
+    pub t: f32,
+    pub u: f32,
+    pub v: f32,
+}
+
+/// The geometry of a point on a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// Recomputed from the shape's own parameters where that is more precise than `ray.at(t)`.
+    pub position: Vec3,
+    /// A bound of the absolute error of each component of `position`.
+    pub error: Vec3,
+    /// The unit normal on the shape's outside (counter-clockwise side of a triangle or quad); never flipped towards the ray.
+    pub normal: Vec3,
+    pub uv: Vec2,
+}
+
+/// A point drawn uniformly by area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceSample {
+    pub position: Vec3,
+    pub error: Vec3,
+    pub normal: Vec3,
+    pub uv: Vec2,
+}
+
+/// Calls the same method of whichever shape it is.
+macro_rules! each_shape {
+    ($self:expr, $shape:ident => $body:expr) => {
+        match $self {
+            Shape::Triangle($shape) => $body,
+            Shape::Sphere($shape) => $body,
+            Shape::Cuboid($shape) => $body,
+            Shape::Quad($shape) => $body,
+            Shape::Torus($shape) => $body,
+        }
+    };
+}
+
+impl Shape {
+    pub fn kind(&self) -> ShapeKind {
+        match self {
+            Self::Triangle(_) => ShapeKind::Triangle,
+            Self::Sphere(_) => ShapeKind::Sphere,
+            Self::Cuboid(_) => ShapeKind::Cuboid,
+            Self::Quad(_) => ShapeKind::Quad,
+            Self::Torus(_) => ShapeKind::Torus,
+        }
+    }
+
+    /// The smallest box around the shape (for curved shapes rounded outwards).
+    pub fn bounds(&self) -> Aabb {
+        each_shape!(self, s => s.bounds())
+    }
+
+    /// The nearest hit with `t_min <= t <= t_max`, from outside or inside.
+    #[inline]
+    pub fn intersect(&self, ray: &PreparedRay) -> Option<ShapeHit> {
+        each_shape!(self, s => s.intersect(ray))
+    }
+
+    /// The surface where `hit`, an answer of [`Shape::intersect`] to `ray`, lies.
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        each_shape!(self, s => s.surface(ray, hit))
+    }
+
+    /// The surface area.
+    pub fn area(&self) -> f32 {
+        each_shape!(self, s => s.area())
+    }
+
+    /// A point drawn uniformly by area from `u` in `[0, 1)^2`.
+    pub fn sample(&self, u: Vec2) -> SurfaceSample {
+        each_shape!(self, s => s.sample(u))
+    }
+
+    /// The box around the part of the shape inside `clip` (empty if there is none): exact for triangles and quads,
+    /// an upper bound for the others.
+    pub fn clipped_bounds(&self, clip: &Aabb) -> Aabb {
+        each_shape!(self, s => s.clipped_bounds(clip))
+    }
+
+    /// The area of the part inside `clip`: exact for triangles and quads, sampled with a fixed seed for the others.
+    pub fn area_inside(&self, clip: &Aabb) -> f32 {
+        each_shape!(self, s => s.area_inside(clip))
+    }
+}

@@ -1,0 +1,9 @@
+//! Questions about a scene's trees, and answers as plain data. No window, no printing.
+
+pub mod bin_sweep;
+pub mod compare;
+pub mod histogram;
+pub mod shadow_difference;
+pub mod stats;
+pub mod sweep;
+pub mod table;

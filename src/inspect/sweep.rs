@@ -1,0 +1,1 @@
+//! A grid over bins and leaf limits.

@@ -1,0 +1,5 @@
+//! The program: a window, and commands.
+
+fn main() -> std::process::ExitCode {
+    bvhscope::cli::main()
+}

@@ -1,0 +1,1 @@
+//! Scattering at a surface: BRDF values, PDFs, and samples of them, explicit.

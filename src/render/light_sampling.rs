@@ -1,0 +1,1 @@
+//! Points on lights, with their PDFs by solid angle.

@@ -1,0 +1,21 @@
+//! Pixels from a world: integrators, views, film, the boxes drawn over it, and what was measured on rays.
+
+pub mod bsdf;
+pub mod display;
+pub mod film;
+pub mod integrate;
+pub mod light_sampling;
+pub mod measure;
+pub mod overlay;
+pub mod path;
+pub mod sampler;
+pub mod shadow;
+pub mod tonemap;
+pub mod views;
+pub mod whitted;
+
+pub use display::{ColorMap, DisplaySettings};
+pub use film::{Film, RenderSettings};
+pub use overlay::{BoxColor, BoxStyle, Overlay, OverlaySettings};
+pub use tonemap::ToneMap;
+pub use views::{CountKind, Counter, View, ViewClass};

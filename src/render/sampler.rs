@@ -1,0 +1,1 @@
+//! Seeded random numbers, reproducible by pixel and sample at any thread count.

@@ -1,0 +1,1 @@
+//! Whitted ray tracing: direct light, mirrors and glass.

@@ -1,0 +1,96 @@
+//! One value that says everything that is shown. The command line parses one, the window edits one, a file and a
+//! screenshot carry one.
+
+pub mod file;
+pub mod flags;
+
+use serde::{Deserialize, Serialize};
+
+use crate::accel::BuildConfig;
+use crate::render::film::FilmSubject;
+use crate::render::{CountKind, DisplaySettings, OverlaySettings, RenderSettings, View};
+use crate::scene::{Camera, SceneRef, ShadowRule, UpAxis};
+
+/// Scene, builds, camera, view, render and overlay settings. A picture is a function of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Session {
+    /// [`Session::VERSION`] of the program that wrote it.
+    pub version: u32,
+    pub scene: SessionScene,
+    /// The moment, in seconds; 0 is the still scene.
+    pub time: f32,
+    /// A ground under the scene, outside every tree and figure.
+    pub ground: bool,
+    pub up: UpAxis,
+    /// `None`: the camera that the scene came with.
+    pub camera: Option<Camera>,
+    /// Build settings side by side; never empty.
+    pub variants: Vec<Variant>,
+    /// Index into `variants`, in range.
+    pub active: usize,
+    pub view: View,
+    pub count: CountKind,
+    pub shadow_rule: ShadowRule,
+    pub render: RenderSettings,
+    pub display: DisplaySettings,
+    pub overlay: OverlaySettings,
+}
+
+/// Which scene, and how to tell that it is still the same.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SessionScene {
+    /// In a file: relative to the file.
+    pub reference: SceneRef,
+    /// SHA-256 of a model's file; empty for built-in scenes and while nothing is loaded.
+    pub content_hash: String,
+    pub shape_count: Option<usize>,
+}
+
+/// Named build settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Variant {
+    pub name: String,
+    pub build: BuildConfig,
+}
+
+impl Default for Session {
+    fn default() -> Self {
+        Self {
+            version: Self::VERSION,
+            scene: SessionScene::default(),
+            time: 0.0,
+            ground: false,
+            up: UpAxis::default(),
+            camera: None,
+            variants: vec![Variant { name: "A".to_owned(), build: BuildConfig::default() }],
+            active: 0,
+            view: View::default(),
+            count: CountKind::default(),
+            shadow_rule: ShadowRule::default(),
+            render: RenderSettings::default(),
+            display: DisplaySettings::default(),
+            overlay: OverlaySettings::default(),
+        }
+    }
+}
+
+impl Session {
+    /// The version of the form that this program writes.
+    pub const VERSION: u32 = 1;
+
+    /// The active build settings.
+    pub fn build(&self) -> &BuildConfig {
+        &self.variants[self.active].build
+    }
+
+    pub fn build_mut(&mut self) -> &mut BuildConfig {
+        &mut self.variants[self.active].build
+    }
+
+    /// What a film shows under this session.
+    pub fn film_subject(&self) -> FilmSubject {
+        FilmSubject { view: self.view, count: self.count, shadow_rule: self.shadow_rule }
+    }
+}
