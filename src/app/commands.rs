@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use crate::scene::SceneRef;
 use crate::session::Session;
 
+use super::view::CompareViews;
+
 /// One request. Nothing is lost: every command of a frame is applied, in order.
 pub enum Command {
     /// Changes settings; the stages below what changed run again.
@@ -15,8 +17,14 @@ pub enum Command {
     /// A session or a PNG that carries one.
     OpenSession(PathBuf),
     SaveSession(PathBuf),
-    /// Shows the system's file dialog, off the window's thread.
+    /// Shows the system's file dialog for a scene or a session to open, off the window's thread.
     AskOpen,
+    /// Shows the system's file dialog for a file to write, off the window's thread. The answer goes to
+    /// [`Panels::path_chosen`](super::panels::Panels::path_chosen); nothing is written yet.
+    AskSavePath {
+        target: SaveTarget,
+        suggested: PathBuf,
+    },
     SetAnimating(bool),
     CancelLoad,
     CancelBuild,
@@ -29,6 +37,8 @@ pub enum Command {
     CancelTable,
     /// Sets view, camera and scene so that the false shadow on the glossy floor is seen.
     ShadowPreset,
+    /// Shows two views at once in the viewport; `None` goes back to the session's one.
+    SetCompareViews(Option<CompareViews>),
     Export(ExportRequest),
     CancelExport,
     CopyText {
@@ -43,6 +53,41 @@ pub enum Command {
     /// Dark or light.
     SetDark(bool),
     ResetLayout,
+}
+
+/// What a path to write to was asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SaveTarget {
+    Picture,
+    Window,
+    Raw,
+    Figures,
+    Session,
+}
+
+impl SaveTarget {
+    pub const ALL: [Self; 5] = [Self::Picture, Self::Window, Self::Raw, Self::Figures, Self::Session];
+
+    /// What the file is, as in a dialog's title.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Picture => "picture",
+            Self::Window => "window",
+            Self::Raw => "raw film",
+            Self::Figures => "figures",
+            Self::Session => "session",
+        }
+    }
+
+    /// The extensions that the file may have, the usual one first.
+    pub fn extensions(self) -> &'static [&'static str] {
+        match self {
+            Self::Picture | Self::Window => &["png"],
+            Self::Raw => &["exr", "csv"],
+            Self::Figures => &["json", "csv"],
+            Self::Session => &["ron"],
+        }
+    }
 }
 
 /// A file to write.

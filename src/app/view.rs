@@ -9,7 +9,7 @@ use crate::inspect::histogram::Histogram;
 use crate::inspect::shadow_difference::ClassCounts;
 use crate::inspect::stats::TreeStats;
 use crate::render::measure::RayFigures;
-use crate::render::{Film, Overlay};
+use crate::render::{Film, Overlay, View};
 use crate::scene::{Scene, SceneRef};
 use crate::session::Session;
 use crate::world::World;
@@ -36,7 +36,7 @@ pub struct AppView<'a> {
     pub history: &'a [HistoryEntry],
     /// The raw content of the picture in the viewport.
     pub film: Option<&'a Film>,
-    /// Of the film's numbers, over `range`; `None` on a film of colours.
+    /// Of the film's numbers, over all of them (not only those in `range`); `None` on a film of colours.
     pub histogram: Option<&'a Histogram>,
     /// The range that the colour map covers now.
     pub range: Option<[f32; 2]>,
@@ -49,6 +49,8 @@ pub struct AppView<'a> {
     pub bin_curve: &'a BinCurve,
     pub table: &'a TableState,
     pub shadow: &'a ShadowState,
+    /// Two views at once in the viewport; `None`: the session's one.
+    pub compare: Option<CompareViews>,
     pub render: RenderStatus,
 }
 
@@ -73,6 +75,40 @@ pub struct HistoryEntry {
     pub sah_cost: Option<f64>,
     /// Mean of the camera rays; `None` until counted.
     pub nodes_visited_mean: Option<f64>,
+    pub node_count: usize,
+    pub leaf_count: usize,
+    pub depth_max: Option<u32>,
+    pub depth_mean: Option<f64>,
+    /// Tree and shapes ready to trace.
+    pub bytes: usize,
+}
+
+/// Two views at once in the viewport.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CompareViews {
+    pub left: View,
+    pub right: View,
+    pub style: CompareStyle,
+}
+
+/// How two views share the viewport.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CompareStyle {
+    #[default]
+    SideBySide,
+    /// One over the other, with a line between them that the mouse drags.
+    Wipe,
+}
+
+impl CompareStyle {
+    pub const ALL: [Self; 2] = [Self::SideBySide, Self::Wipe];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SideBySide => "side by side",
+            Self::Wipe => "wipe",
+        }
+    }
 }
 
 /// What lies under the mouse in the viewport.

@@ -1,8 +1,10 @@
 //! The panels, one file each. A panel owns only its own view state: it reads an [`AppView`] and pushes commands.
 
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 
-use super::commands::Commands;
+use super::commands::{Commands, SaveTarget};
 use super::view::AppView;
 
 /// Every panel around the viewport.
@@ -52,6 +54,12 @@ impl Panels {
     /// Draws one panel.
     pub fn ui(&mut self, kind: PanelKind, ui: &mut egui::Ui, view: &AppView, commands: &mut Commands) {
         let _ = (kind, ui, view, commands);
+        todo!()
+    }
+
+    /// Takes the answer to [`Command::AskSavePath`](super::commands::Command::AskSavePath).
+    pub fn path_chosen(&mut self, target: SaveTarget, path: PathBuf) {
+        let _ = (target, path);
         todo!()
     }
 }
