@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use crate::scene::SceneRef;
 use crate::session::Session;
 
+use super::panels::PanelKind;
 use super::view::CompareViews;
 
 /// One request. Nothing is lost: every command of a frame is applied, in order.
@@ -53,6 +54,11 @@ pub enum Command {
     /// Dark or light.
     SetDark(bool),
     ResetLayout,
+    /// Brings a panel to the front, or hides it.
+    ShowPanel {
+        panel: PanelKind,
+        shown: bool,
+    },
 }
 
 /// What a path to write to was asked for.
