@@ -42,7 +42,7 @@ impl Palette {
             second: Color32::from_rgb(190, 100, 10),
             third: Color32::from_rgb(50, 130, 60),
             good: Color32::from_rgb(40, 130, 60),
-            warning: Color32::from_rgb(160, 110, 0),
+            warning: Color32::from_rgb(145, 96, 0),
             error: Color32::from_rgb(190, 40, 40),
             muted: Color32::from_rgb(100, 106, 116),
         }
