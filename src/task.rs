@@ -9,12 +9,12 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 /// [`Cancelled`] as soon as they see that they were asked to stop.
 #[derive(Clone, Debug, Default)]
 pub struct Task {
-    state: Arc<State>,
+    cancelled: Arc<AtomicBool>,
+    progress: Arc<Progress>,
 }
 
 #[derive(Debug, Default)]
-struct State {
-    cancelled: AtomicBool,
+struct Progress {
     done: AtomicU64,
     total: AtomicU64,
 }
@@ -30,14 +30,21 @@ impl Task {
         Self::default()
     }
 
+    /// A task for one step of this one's work: cancelled with it, but with a progress of its own, so that a step that
+    /// announces its amount of work does not overwrite the whole's.
+    #[must_use]
+    pub fn step(&self) -> Self {
+        Self { cancelled: Arc::clone(&self.cancelled), progress: Arc::default() }
+    }
+
     /// Asks every function that holds a clone of this task to stop.
     pub fn cancel(&self) {
-        self.state.cancelled.store(true, Ordering::Relaxed);
+        self.cancelled.store(true, Ordering::Relaxed);
     }
 
     /// Whether somebody called [`Task::cancel`].
     pub fn is_cancelled(&self) -> bool {
-        self.state.cancelled.load(Ordering::Relaxed)
+        self.cancelled.load(Ordering::Relaxed)
     }
 
     /// `Err(Cancelled)` once the task is cancelled: `task.check()?` in loops.
@@ -47,19 +54,19 @@ impl Task {
 
     /// Announces the amount of work, in any unit, and sets what is done to zero.
     pub fn start(&self, total: u64) {
-        self.state.done.store(0, Ordering::Relaxed);
-        self.state.total.store(total, Ordering::Relaxed);
+        self.progress.done.store(0, Ordering::Relaxed);
+        self.progress.total.store(total, Ordering::Relaxed);
     }
 
     /// Adds finished work, in the unit of [`Task::start`].
     pub fn advance(&self, amount: u64) {
-        self.state.done.fetch_add(amount, Ordering::Relaxed);
+        self.progress.done.fetch_add(amount, Ordering::Relaxed);
     }
 
     /// The finished share in `0..=1`, or `None` while the amount of work is unknown.
     pub fn fraction(&self) -> Option<f32> {
-        let total = self.state.total.load(Ordering::Relaxed);
-        let done = self.state.done.load(Ordering::Relaxed);
+        let total = self.progress.total.load(Ordering::Relaxed);
+        let done = self.progress.done.load(Ordering::Relaxed);
         (total > 0).then(|| (done as f32 / total as f32).min(1.0))
     }
 }
@@ -75,6 +82,18 @@ mod tests {
         assert_eq!(clone.check(), Ok(()));
         task.cancel();
         assert_eq!(clone.check(), Err(Cancelled));
+    }
+
+    #[test]
+    fn a_step_is_cancelled_with_the_whole_and_counts_for_itself() {
+        let task = Task::new();
+        task.start(10);
+        let step = task.step();
+        step.start(1);
+        step.advance(1);
+        assert_eq!((task.fraction(), step.fraction()), (Some(0.0), Some(1.0)));
+        task.cancel();
+        assert!(step.is_cancelled());
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Questions about a scene's trees, and answers as plain data. No window, no printing.
 
 pub mod bin_sweep;
+pub mod columns;
 pub mod compare;
 pub mod histogram;
 pub mod shadow_difference;

@@ -1,17 +1,20 @@
 //! All figures of one tree on one scene and view, with the settings that gave them.
 
+use std::sync::Arc;
+
 use serde::Serialize;
 
 use crate::accel::BuildConfig;
 use crate::accel::build::BuildPhase;
 use crate::accel::quality::TreeFigures;
-use crate::render::measure::{FrameTimes, RayFigures};
+use crate::render::measure::{FrameTimes, RayFigures, count_rays, time_frame};
 use crate::render::{CountKind, RenderSettings};
-use crate::scene::Camera;
+use crate::scene::{Camera, Scene};
 use crate::task::{Cancelled, Task};
 use crate::world::World;
 
 /// One object a tree: what `stats`, `table`, `sweep` and `compare` print, and what the panels show.
+/// [`TreeRecord`](super::columns::TreeRecord) is its flat form.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TreeStats {
     /// `BVH_SAH`, `A`, or what else the caller calls it.
@@ -28,6 +31,22 @@ pub struct TreeStats {
     pub times: Option<FrameTimes>,
     /// Tree and shapes ready to trace.
     pub bytes: usize,
+    /// Size, seed and depth of the frame whose rays were counted.
+    pub settings: RenderSettings,
+    pub camera: Camera,
+}
+
+/// What trees are measured on: one scene, one view of it, and how much is asked.
+#[derive(Clone, Copy, Debug)]
+pub struct Measurement<'a> {
+    pub scene: &'a Arc<Scene>,
+    pub camera: &'a Camera,
+    pub settings: &'a RenderSettings,
+    pub count: CountKind,
+    /// Whether a frame is timed. The caller then holds the lease: nothing else may run meanwhile.
+    pub timed: bool,
+    /// How often each tree is built; the build time is the median. At least once.
+    pub builds: usize,
 }
 
 /// Measures a world: counts rays, and times a frame if `timed`.
@@ -43,6 +62,88 @@ pub fn tree_stats(
     timed: bool,
     task: &Task,
 ) -> Result<TreeStats, Cancelled> {
-    let _ = (name, world, camera, settings, count, timed, task);
-    todo!()
+    let rays = count_rays(world, camera, settings, count, 1, task)?;
+    let times = if timed { Some(time_frame(world, camera, settings, task)?) } else { None };
+    Ok(TreeStats {
+        name: name.to_owned(),
+        scene: world.scene.name.clone(),
+        shape_count: world.scene.shape_count(),
+        config: world.report.config,
+        count,
+        figures: world.figures.clone(),
+        phases: world.report.phases.clone(),
+        build_ms: world.report.build_ms,
+        rays,
+        times,
+        bytes: world.bytes(),
+        settings: *settings,
+        camera: *camera,
+    })
+}
+
+impl Measurement<'_> {
+    /// How many times [`Measurement::of`] advances its task.
+    pub fn steps(&self) -> u64 {
+        self.builds.max(1) as u64 + 1
+    }
+
+    /// Builds the tree of `config` and measures it. Advances `task`, which the caller started, by
+    /// [`Measurement::steps`].
+    ///
+    /// # Errors
+    /// [`Cancelled`] when the task was.
+    pub fn of(&self, name: &str, config: &BuildConfig, task: &Task) -> Result<TreeStats, Cancelled> {
+        let mut reports = Vec::new();
+        let world = loop {
+            let world = World::build(Arc::clone(self.scene), config, &task.step())?;
+            task.advance(1);
+            reports.push(world.report.clone());
+            if reports.len() >= self.builds.max(1) {
+                break world;
+            }
+        };
+        reports.sort_by(|a, b| a.build_ms.total_cmp(&b.build_ms));
+        let median = &reports[reports.len() / 2];
+        let step = task.step();
+        let stats = tree_stats(name, &world, self.camera, self.settings, self.count, self.timed, &step)?;
+        task.advance(1);
+        Ok(TreeStats { build_ms: median.build_ms, phases: median.phases.clone(), ..stats })
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::accel::quality::SahCost;
+
+    /// Figures made up for tests of what is done with figures.
+    pub fn example(name: &str) -> TreeStats {
+        TreeStats {
+            name: name.to_owned(),
+            scene: "bunny".to_owned(),
+            shape_count: 4977,
+            config: BuildConfig::default(),
+            count: CountKind::Camera,
+            figures: TreeFigures {
+                node_count: 5937,
+                inner_count: 2968,
+                leaf_count: 2969,
+                reference_count: 4977,
+                depth_max: Some(20),
+                depth_mean: Some(13.25),
+                leaf_sizes: vec![0, 961, 2008],
+                sah_cost: Some(SahCost { inner: 9.0, leaf: 3.5 }),
+                levels: Vec::new(),
+                overlap: 100.0,
+                bytes: 1 << 18,
+            },
+            phases: Vec::new(),
+            build_ms: 4.0,
+            rays: RayFigures { ray_count: 100, nodes_visited_mean: Some(7.5), ..RayFigures::default() },
+            times: None,
+            bytes: 1 << 19,
+            settings: RenderSettings::default(),
+            camera: Camera::default(),
+        }
+    }
 }

@@ -8,6 +8,7 @@ pub mod light_sampling;
 pub mod measure;
 pub mod overlay;
 pub mod path;
+pub mod rank;
 pub mod sampler;
 pub mod shadow;
 pub mod tonemap;
