@@ -101,9 +101,118 @@ impl Material {
         }
     }
 
-    /// The colour at a point of the surface.
+    /// The colour at a point of the surface. A colour that names no image of `images` is its tint.
     pub fn color_at(&self, uv: Vec2, images: &[Image]) -> Vec3 {
-        let _ = (uv, images);
-        todo!()
+        match &self.color {
+            Color::Solid(color) => *color,
+            Color::Checker { even, odd, size, fine } => {
+                let inside = |f: &&FineTiles| uv.cmpge(f.min).all() && uv.cmplt(f.max).all();
+                let size = fine.iter().find(inside).map_or(*size, |f| f.size);
+                if is_odd_square(uv, size) { *odd } else { *even }
+            }
+            Color::Image { image, tint } => {
+                images.get(*image as usize).map_or(*tint, |image| *tint * image.sample(uv))
+            }
+        }
+    }
+}
+
+/// Whether the square of a checker at `uv` is one of those beside the one at the origin.
+fn is_odd_square(uv: Vec2, size: f32) -> bool {
+    let square = (uv / size).floor();
+    // `as` saturates and takes NaN to 0, so that any coordinate has a colour.
+    (square.x as i64).wrapping_add(square.y as i64) & 1 != 0
+}
+
+impl Image {
+    /// The colour at `uv`, bilinear between the centres of pixels, repeated in both directions. `v` points up: (0, 0) is
+    /// the lower left corner. Black for an image without pixels.
+    pub fn sample(&self, uv: Vec2) -> Vec3 {
+        let (width, height) = (self.width as usize, self.height as usize);
+        if width == 0 || height == 0 || self.pixels.len() < width * height {
+            return Vec3::ZERO;
+        }
+        let uv = if uv.is_finite() { uv - uv.floor() } else { Vec2::ZERO };
+        let x = uv.x * width as f32 - 0.5;
+        let y = (1.0 - uv.y) * height as f32 - 0.5;
+        let (fx, fy) = (x - x.floor(), y - y.floor());
+        let wrapped = |value: f32, count: usize| (value.floor() as i64).rem_euclid(count as i64) as usize;
+        let (x0, y0) = (wrapped(x, width), wrapped(y, height));
+        let (x1, y1) = ((x0 + 1) % width, (y0 + 1) % height);
+        let at = |x: usize, y: usize| self.pixels[y * width + x];
+        at(x0, y0).lerp(at(x1, y0), fx).lerp(at(x0, y1).lerp(at(x1, y1), fx), fy)
+    }
+}
+
+/// The light that an sRGB-encoded component between 0 and 1 stands for (IEC 61966-2-1).
+pub fn srgb_to_linear(encoded: f32) -> f32 {
+    if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn colored(color: Color) -> Material {
+        Material { name: String::new(), color, kind: MaterialKind::Mirror }
+    }
+
+    #[test]
+    fn a_checker_alternates_across_the_origin_too() {
+        let m = colored(Color::Checker { even: Vec3::ONE, odd: Vec3::ZERO, size: 0.5, fine: vec![] });
+        for (u, v, even) in [
+            (0.1, 0.1, true),
+            (0.6, 0.1, false),
+            (-0.1, 0.1, false),
+            (-0.1, -0.1, true),
+            (0.6, 0.6, true),
+            (1.1, 0.1, true),
+        ] {
+            assert_eq!(m.color_at(Vec2::new(u, v), &[]) == Vec3::ONE, even, "at {u}, {v}");
+        }
+    }
+
+    #[test]
+    fn fine_tiles_replace_the_checker_in_their_rectangle_only() {
+        let fine = FineTiles { min: Vec2::ONE, max: Vec2::splat(1.5), size: 1.0 / 32.0 };
+        let m = colored(Color::Checker { even: Vec3::ONE, odd: Vec3::ZERO, size: 0.5, fine: vec![fine] });
+        let count = |min: f32| {
+            let colors = (0..64).map(|i| m.color_at(Vec2::new(min + (i as f32 + 0.5) / 128.0, 1.01), &[]).x);
+            colors.clone().zip(colors.skip(1)).filter(|(a, b)| a != b).count()
+        };
+        assert_eq!((count(1.0), count(0.5)), (15, 0));
+    }
+
+    #[test]
+    fn a_colour_exists_for_any_coordinate() {
+        let image = Image { width: 1, height: 1, pixels: vec![Vec3::ONE] };
+        for color in [
+            Color::Checker { even: Vec3::ONE, odd: Vec3::ZERO, size: 0.0, fine: vec![] },
+            Color::Image { image: 0, tint: Vec3::ONE },
+            Color::Image { image: 7, tint: Vec3::ONE },
+        ] {
+            for x in [f32::NAN, f32::INFINITY, -1e30, 1e30] {
+                assert!(colored(color.clone()).color_at(Vec2::new(x, x), &[image.clone()]).is_finite());
+            }
+        }
+    }
+
+    #[test]
+    fn images_are_bilinear_repeat_and_start_at_the_top() {
+        let (a, b, c, d) = (Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE);
+        let image = Image { width: 2, height: 2, pixels: vec![a, b, c, d] };
+        assert_eq!(image.sample(Vec2::new(0.25, 0.75)), a);
+        assert_eq!(image.sample(Vec2::new(0.75, 0.75)), b);
+        assert_eq!(image.sample(Vec2::new(0.25, 0.25)), c);
+        assert_eq!(image.sample(Vec2::new(3.75, -2.75)), d);
+        assert!((image.sample(Vec2::new(0.5, 0.75)) - (a + b) / 2.0).length() < 1e-6);
+        assert!((image.sample(Vec2::new(0.0, 0.75)) - (a + b) / 2.0).length() < 1e-6, "wraps around");
+    }
+
+    #[test]
+    fn srgb_has_the_standard_values() {
+        for (encoded, linear) in [(0.0, 0.0), (0.04, 0.003_096), (0.5, 0.214_041), (1.0, 1.0)] {
+            assert!((srgb_to_linear(encoded) - linear).abs() < 1e-6);
+        }
     }
 }

@@ -1,8 +1,10 @@
 //! What there is to see: shapes, materials, lights, a camera, and how they move. Knows nothing of trees.
 
 pub mod animation;
+mod assembly;
 pub mod builtin;
 pub mod camera;
+mod ground;
 pub mod light;
 pub mod load;
 pub mod material;
