@@ -1,2 +1,27 @@
 //! Where pictures and figures leave the program: PNG with its session, EXR, CSV, JSON, Markdown. Every file is written
 //! whole or not at all.
+
+pub mod atomic;
+pub mod exr;
+pub mod legend;
+pub mod png;
+pub mod raw_csv;
+pub mod session_file;
+pub mod text;
+
+use std::path::PathBuf;
+
+/// Why a file could not be written or read. Every message says what, where, and what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    #[error("cannot write {path}: {reason}")]
+    Write { path: PathBuf, reason: String },
+    #[error("cannot read {path}: {reason}")]
+    Read { path: PathBuf, reason: String },
+    #[error("{path}: {source}")]
+    Session { path: PathBuf, source: crate::session::file::SessionError },
+    #[error("{path} carries no session; only PNG files that bvhscope wrote do")]
+    NoSession { path: PathBuf },
+    #[error("cannot encode the picture: {reason}")]
+    Encode { reason: String },
+}

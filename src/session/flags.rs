@@ -1,7 +1,12 @@
-//! The one table of settings: a flag's name, its help, how a session's value is written and how it is read. The command
-//! line, its help, and *Copy command* are derived from it.
+//! The settings as flags: names, help, choices, how a session's value is written and how it is read. The command line,
+//! its help, *Copy command* and the checks of a session's file are derived from the one table in [`super::flag_table`].
+
+use std::path::Path;
 
 use super::Session;
+use super::flag_table::FLAGS;
+pub use super::values::Choice;
+use crate::scene::SceneRef;
 
 /// Why a flag's value was refused: which flag, what was given, what is allowed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -12,28 +17,205 @@ pub enum FlagError {
     Value { flag: &'static str, value: String, reason: String },
 }
 
+/// Under which heading `--help` lists a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlagGroup {
+    Tree,
+    Scene,
+    Picture,
+    Display,
+    Boxes,
+}
+
+impl FlagGroup {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Tree => "Tree",
+            Self::Scene => "Scene and camera",
+            Self::Picture => "Picture",
+            Self::Display => "Display",
+            Self::Boxes => "Boxes",
+        }
+    }
+}
+
 /// One flag.
 pub struct Flag {
     /// Without the dashes.
     pub name: &'static str,
-    /// `NAME`, `N`, `WxH` ...; `None` for a switch.
+    /// `NAME`, `N`, `WxH` ...; `None` for a switch, whose values are `on` and `off`.
     pub value_name: Option<&'static str>,
+    pub group: FlagGroup,
     pub help: &'static str,
-    /// The choices of a closed set.
-    pub choices: fn() -> Vec<&'static str>,
-    pub read: fn(&mut Session, &str) -> Result<(), FlagError>,
-    /// The text that `read` takes back; `None` where the flag is a switch that is off, or there is nothing to say.
-    pub write: fn(&Session) -> Option<String>,
+    /// The choices of a closed set; empty for every other flag.
+    pub choices: fn() -> Vec<Choice>,
+    pub(super) set: fn(&mut Session, &str) -> Result<(), String>,
+    pub(super) get: fn(&Session) -> String,
+}
+
+impl Flag {
+    /// Sets what the text says.
+    ///
+    /// # Errors
+    /// [`FlagError::Value`]; the session is then as before.
+    pub fn read(&self, session: &mut Session, text: &str) -> Result<(), FlagError> {
+        (self.set)(session, text).map_err(|reason| FlagError::Value {
+            flag: self.name,
+            value: text.to_owned(),
+            reason,
+        })
+    }
+
+    /// The text that [`Flag::read`] takes back, exactly.
+    pub fn write(&self, session: &Session) -> String {
+        (self.get)(session)
+    }
+
+    pub fn is_switch(&self) -> bool {
+        self.value_name.is_none()
+    }
 }
 
 /// Every flag, in the order of `--help`.
 pub fn flags() -> &'static [Flag] {
-    todo!()
+    FLAGS
+}
+
+/// The flag of that name, given without dashes.
+///
+/// # Errors
+/// [`FlagError::UnknownFlag`]
+pub fn find(name: &str) -> Result<&'static Flag, FlagError> {
+    flags().iter().find(|f| f.name == name).ok_or_else(|| FlagError::UnknownFlag { flag: name.to_owned() })
 }
 
 /// `bvhscope render SCENE --out FILE` with every flag that differs from the default: the command that makes the same
-/// picture without a window. Quoted for a POSIX shell.
+/// picture without a window. Quoted for a POSIX shell. Of several variants it names the active one.
 pub fn command_line(session: &Session, out: &str) -> String {
-    let _ = (session, out);
-    todo!()
+    let mut words = vec!["bvhscope".to_owned(), "render".to_owned()];
+    words.push(scene_word(&session.scene.reference));
+    words.extend(["--out".to_owned(), out.to_owned()]);
+    words.extend(flag_words(session));
+    words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+}
+
+/// `--flag value` for every setting that differs from the default, unquoted.
+pub fn flag_words(session: &Session) -> Vec<String> {
+    let default = Session::default();
+    let mut words = Vec::new();
+    for flag in flags() {
+        let value = flag.write(session);
+        if value == flag.write(&default) {
+            continue;
+        }
+        if flag.is_switch() {
+            // A switch takes its value behind an equals sign only; `on` may go without.
+            words.push(if value == "on" {
+                format!("--{}", flag.name)
+            } else {
+                format!("--{}={value}", flag.name)
+            });
+        } else {
+            words.extend([format!("--{}", flag.name), value]);
+        }
+    }
+    words
+}
+
+/// The scene as a word that is read back as the same scene: a file that is called like a built-in scene, or begins with
+/// a dash, is named through its folder.
+fn scene_word(scene: &SceneRef) -> String {
+    let text = scene.text();
+    match scene {
+        SceneRef::File(_) if text.starts_with('-') || SceneRef::parse(&text) != *scene => {
+            Path::new(".").join(text).to_string_lossy().into_owned()
+        }
+        SceneRef::File(_) | SceneRef::Builtin(_) => text,
+    }
+}
+
+fn quoted(word: &str) -> String {
+    let word = word.replace('\0', "");
+    shlex::try_quote(&word).expect("a word without NUL can be quoted").into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+    use crate::render::View;
+    use crate::scene::{Camera, UpAxis};
+
+    #[test]
+    fn names_are_unique_and_defaults_read_back() {
+        let default = Session::default();
+        for (i, flag) in flags().iter().enumerate() {
+            assert!(flags()[..i].iter().all(|other| other.name != flag.name), "{} twice", flag.name);
+            let mut session = default.clone();
+            flag.read(&mut session, &flag.write(&default)).expect(flag.name);
+            assert_eq!(session, default, "{}", flag.name);
+        }
+    }
+
+    #[test]
+    fn every_choice_can_be_chosen_and_is_written_back() {
+        for flag in flags() {
+            for choice in (flag.choices)() {
+                let mut session = Session::default();
+                flag.read(&mut session, choice.name).expect(choice.name);
+                assert_eq!(flag.write(&session), choice.name, "--{}", flag.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_refused_value_leaves_the_session_alone() {
+        for flag in flags() {
+            let mut session = Session::default();
+            let error = flag.read(&mut session, "no such value").expect_err(flag.name);
+            assert!(error.to_string().starts_with(&format!("--{} 'no such value': ", flag.name)));
+            assert_eq!(session, Session::default(), "{}", flag.name);
+        }
+    }
+
+    #[test]
+    fn the_up_axis_goes_with_the_camera_in_either_order() {
+        let mut session = Session::default();
+        for (name, value) in [("camera", "1,2,3,0,0,0,40"), ("up", "z")] {
+            find(name).expect(name).read(&mut session, value).expect(name);
+        }
+        assert_eq!(session.camera.map(|camera| camera.up), Some(UpAxis::Z));
+    }
+
+    #[test]
+    fn the_command_names_only_what_differs() {
+        let mut session = Session::default();
+        assert_eq!(command_line(&session, "F.png"), "bvhscope render bunny --out F.png");
+        session.view = View::NodesVisited;
+        session.build_mut().bins = 8;
+        session.overlay.leaves_only = true;
+        assert_eq!(
+            command_line(&session, "my picture.png"),
+            "bvhscope render bunny --out 'my picture.png' --bins 8 --view nodes-visited --leaves-only"
+        );
+    }
+
+    #[test]
+    fn odd_file_names_stay_files() {
+        for (path, word) in [("-x.obj", "./-x.obj"), ("bunny", "./bunny"), ("it's.obj", "\"it's.obj\"")] {
+            let mut session = Session::default();
+            session.scene.reference = SceneRef::File(PathBuf::from(path));
+            assert_eq!(command_line(&session, "F.png"), format!("bvhscope render {word} --out F.png"));
+        }
+    }
+
+    #[test]
+    fn a_camera_is_written_as_it_is_read() {
+        let mut session = Session { camera: Some(Camera::default()), ..Session::default() };
+        let text = find("camera").expect("a flag").write(&session);
+        assert_eq!(text, "0,0,5,0,0,0,45");
+        find("camera").expect("a flag").read(&mut session, "scene").expect("no camera");
+        assert_eq!(session.camera, None);
+    }
 }

@@ -2,7 +2,10 @@
 //! screenshot carry one.
 
 pub mod file;
+mod flag_table;
 pub mod flags;
+pub mod prepare;
+mod values;
 
 use serde::{Deserialize, Serialize};
 
