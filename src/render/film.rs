@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::views::{CountKind, View};
+use super::views::{CountKind, View, ViewClass};
 use crate::scene::ShadowRule;
 
 /// What a film depends on besides scene, camera, time and tree.
@@ -59,24 +59,86 @@ pub enum FilmContent {
 impl Film {
     /// An empty film of the kind that the view asks for.
     pub fn new(width: u32, height: u32, subject: FilmSubject) -> Self {
-        let _ = (width, height, subject);
-        todo!()
+        let pixels = width as usize * height as usize;
+        let content = match subject.view.class() {
+            ViewClass::Radiance | ViewClass::Data => FilmContent::Color(vec![Vec3::ZERO; pixels]),
+            ViewClass::Distance | ViewClass::Heat | ViewClass::Class => {
+                FilmContent::Number(vec![0.0; pixels])
+            }
+        };
+        Self { width, height, subject, samples: 0, content }
     }
 
-    /// The mean linear colour of a pixel; `None` on a film of numbers.
+    /// The mean linear colour of a pixel; `None` on a film of numbers, outside the film, or before the first sample.
     pub fn color(&self, x: u32, y: u32) -> Option<Vec3> {
-        let _ = (x, y);
-        todo!()
+        let index = self.index(x, y)?;
+        match &self.content {
+            FilmContent::Color(sums) => Some(sums[index] / self.samples as f32),
+            FilmContent::Number(_) => None,
+        }
     }
 
-    /// The mean number of a pixel; `None` on a film of colours, outside the film, or where there is no number.
+    /// The mean number of a pixel; `None` on a film of colours, outside the film, before the first sample, or where there
+    /// is no number.
     pub fn number(&self, x: u32, y: u32) -> Option<f32> {
-        let _ = (x, y);
-        todo!()
+        let index = self.index(x, y)?;
+        match &self.content {
+            FilmContent::Color(_) => None,
+            FilmContent::Number(sums) => Some(sums[index] / self.samples as f32).filter(|n| !n.is_nan()),
+        }
     }
 
     /// All mean numbers, NaN where there is none; `None` on a film of colours.
     pub fn numbers(&self) -> Option<Vec<f32>> {
-        todo!()
+        match &self.content {
+            FilmContent::Color(_) => None,
+            // Without samples this is 0 / 0: NaN, no number.
+            FilmContent::Number(sums) => Some(sums.iter().map(|s| s / self.samples as f32).collect()),
+        }
+    }
+
+    /// Where a pixel lies in the content; `None` outside the film or before the first sample.
+    fn index(&self, x: u32, y: u32) -> Option<usize> {
+        let inside = x < self.width && y < self.height && self.samples > 0;
+        inside.then(|| y as usize * self.width as usize + x as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn film(view: View) -> Film {
+        let subject = FilmSubject { view, count: CountKind::Camera, shadow_rule: ShadowRule::Glass };
+        Film::new(3, 2, subject)
+    }
+
+    #[test]
+    fn every_view_gets_the_content_of_its_class() {
+        for view in View::ALL {
+            let colored = matches!(view.class(), ViewClass::Radiance | ViewClass::Data);
+            match film(view).content {
+                FilmContent::Color(sums) => assert!(colored && sums.len() == 6, "{}", view.name()),
+                FilmContent::Number(sums) => assert!(!colored && sums.len() == 6, "{}", view.name()),
+            }
+        }
+    }
+
+    #[test]
+    fn pixels_are_means_and_absent_outside_or_without_samples() {
+        let mut numbers = film(View::Depth);
+        assert_eq!(numbers.number(0, 0), None);
+        numbers.samples = 2;
+        numbers.content = FilmContent::Number(vec![2.0, 4.0, 6.0, 8.0, 10.0, f32::NAN]);
+        assert_eq!(numbers.number(1, 1), Some(5.0));
+        assert_eq!((numbers.number(2, 1), numbers.number(3, 0), numbers.number(0, 2)), (None, None, None));
+        assert_eq!(numbers.numbers().map(|n| n[3]), Some(4.0));
+        assert_eq!(numbers.color(0, 0), None);
+
+        let mut colors = film(View::Path);
+        colors.samples = 4;
+        colors.content = FilmContent::Color(vec![Vec3::splat(2.0); 6]);
+        assert_eq!(colors.color(2, 1), Some(Vec3::splat(0.5)));
+        assert_eq!((colors.color(2, 2), colors.number(0, 0), colors.numbers()), (None, None, None));
     }
 }

@@ -1,1 +1,313 @@
 //! Points on lights, with their PDFs by solid angle.
+//!
+//! Spheres are sampled within the cone that they fill (Shirley, Wang, Zimmerman, "Monte Carlo Techniques for Direct
+//! Lighting Calculations", 1996), every other shape by its area, the dome by the cosine against the receiver.
+
+use std::f32::consts::{PI, TAU};
+
+use glam::{Vec2, Vec3};
+
+use super::bsdf::{ShadingFrame, cosine_weighted};
+use super::sampler::Sampler;
+use crate::geometry::{Ray, Shape, Sphere, SurfaceSample};
+use crate::scene::{Light, MaterialKind, Scene, Surface};
+
+/// The share of picks that the sky gets beside other lights. Small: it is everywhere, and scattered rays find it.
+const SKY_SHARE: f64 = 0.25;
+
+/// What the computed t of a light may be off by, relative: 16 roundings.
+const SHADOW_RAY_ROUNDING: f32 = 8.0 * f32::EPSILON;
+
+/// A scene's lights with the probability of picking each, in proportion to its power. Made in one pass over the lights.
+#[derive(Clone, Debug)]
+pub struct LightTable<'s> {
+    scene: &'s Scene,
+    /// Sums of the probabilities up to and with each of `scene.lights`.
+    cumulative: Vec<f64>,
+    probability: Vec<f32>,
+    /// Shape index and light index, sorted by shape.
+    shape_lights: Vec<(u32, u32)>,
+    sky_probability: f32,
+}
+
+/// The way to one point of a light, not yet asked whether it is free.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// Unit, from the receiver.
+    pub direction: Vec3,
+    /// Incoming radiance, if the way is free. For a point light its intensity over the squared distance.
+    pub radiance: Vec3,
+    /// By solid angle, with the probability of the pick in it; for a point light that probability alone.
+    pub pdf: f32,
+    /// Whether a scattered ray can find this light, too.
+    pub can_be_hit: bool,
+    /// From the receiver's surface to just before the light.
+    pub shadow_ray: Ray,
+}
+
+/// A point of a light's surface, seen from a receiver.
+struct LightPoint {
+    point: SurfaceSample,
+    /// By solid angle.
+    pdf: f32,
+}
+
+impl<'s> LightTable<'s> {
+    pub fn new(scene: &'s Scene) -> Self {
+        let power = scene.lights.iter().map(|light| light_power(scene, light));
+        let mut cumulative: Vec<f64> = power
+            .scan(0.0, |sum, power| {
+                *sum += power;
+                Some(*sum)
+            })
+            .collect();
+        let total = cumulative.last().copied().unwrap_or(0.0);
+        let sky_probability = match (has_light(scene.sky.radiance), total > 0.0) {
+            (false, _) => 0.0,
+            (true, true) => SKY_SHARE,
+            (true, false) => 1.0,
+        };
+        let mut before = 0.0;
+        let mut probability = Vec::with_capacity(cumulative.len());
+        for sum in &mut cumulative {
+            *sum = if total > 0.0 { *sum / total } else { 0.0 };
+            probability.push(((*sum - before) * (1.0 - sky_probability)) as f32);
+            before = *sum;
+        }
+        let mut shape_lights: Vec<(u32, u32)> = scene
+            .lights
+            .iter()
+            .zip(0..)
+            .filter_map(|(light, i)| match light {
+                Light::Shape { shape } => Some((*shape, i)),
+                Light::Point { .. } | Light::Panel { .. } => None,
+            })
+            .collect();
+        shape_lights.sort_unstable();
+        Self { scene, cumulative, probability, shape_lights, sky_probability: sky_probability as f32 }
+    }
+
+    /// How many lights there are, without the sky.
+    pub fn len(&self) -> usize {
+        self.cumulative.len()
+    }
+
+    /// Whether there is no light but perhaps the sky.
+    pub fn is_empty(&self) -> bool {
+        self.cumulative.is_empty()
+    }
+
+    /// Picks a light or the sky, and a point of it. `None` where the pick sends no light to the receiver.
+    #[inline]
+    pub fn sample(&self, to: &Surface, frame: &ShadingFrame, sampler: &mut Sampler) -> Option<LightSample> {
+        let pick = sampler.next_fine();
+        let u = sampler.next_2d();
+        let sky = f64::from(self.sky_probability);
+        if pick < sky {
+            return self.sample_sky(to, frame, u).map(|s| s.picked(self.sky_probability));
+        }
+        let index = self.light_at((pick - sky) / (1.0 - sky))?;
+        self.sample_one(index, to, u).map(|s| s.picked(self.probability[index]))
+    }
+
+    /// Like [`LightTable::sample`], but picks among the lights without the sky, by `pick` in `[0, 1)`. The sky alone, if
+    /// there are no others.
+    #[inline]
+    pub fn sample_lights(
+        &self,
+        to: &Surface,
+        frame: &ShadingFrame,
+        pick: f64,
+        u: Vec2,
+    ) -> Option<LightSample> {
+        match self.light_at(pick) {
+            Some(index) => {
+                let probability = self.probability[index] / (1.0 - self.sky_probability);
+                self.sample_one(index, to, u).map(|s| s.picked(probability))
+            }
+            None if self.sky_probability > 0.0 => self.sample_sky(to, frame, u),
+            None => None,
+        }
+    }
+
+    /// A point of light number `index`, with a PDF that holds no pick.
+    #[inline]
+    pub fn sample_one(&self, index: usize, to: &Surface, u: Vec2) -> Option<LightSample> {
+        match self.scene.lights[index] {
+            Light::Point { position, intensity } => sample_point(position, intensity, to),
+            Light::Panel { quad, radiance } => {
+                let light = area_point(&Shape::Quad(quad), to.position, u)?;
+                light.seen_from(to, radiance, false)
+            }
+            Light::Shape { shape } => {
+                let MaterialKind::Emissive { radiance } = self.scene.material(shape).kind else {
+                    return None;
+                };
+                let light = match self.scene.shape(shape) {
+                    Shape::Sphere(sphere) => cone_point(&sphere, to.position, u)?,
+                    other => area_point(&other, to.position, u)?,
+                };
+                light.seen_from(to, radiance, true)
+            }
+        }
+    }
+
+    /// The PDF by solid angle with which [`LightTable::sample`] would have drawn the point of an emitter that a ray of unit
+    /// `direction` from `from` hit at `distance`; 0 for one that it never draws.
+    pub fn pdf_of_hit(&self, from: Vec3, direction: Vec3, distance: f32, hit: &Surface) -> f32 {
+        let Ok(found) = self.shape_lights.binary_search_by_key(&hit.shape, |(shape, _)| *shape) else {
+            return 0.0;
+        };
+        let picked = self.probability[self.shape_lights[found].1 as usize];
+        let pdf = match self.scene.shape(hit.shape) {
+            Shape::Sphere(sphere) => cone(&sphere, from).map_or(0.0, |c| c.pdf),
+            other => area_pdf(other.area(), -direction.dot(hit.geometric_normal), distance),
+        };
+        picked * pdf
+    }
+
+    /// The PDF by solid angle with which [`LightTable::sample`] draws a direction of the sky at cosine `cosine` against the
+    /// receiver.
+    #[inline]
+    pub fn pdf_of_sky(&self, cosine: f32) -> f32 {
+        self.sky_probability * cosine / PI
+    }
+
+    /// The light on whose share of the power `pick` in `[0, 1)` falls.
+    fn light_at(&self, pick: f64) -> Option<usize> {
+        let index = self.cumulative.partition_point(|sum| *sum <= pick);
+        // Past the end: no light has any power (rounding cannot, as the last sum is exactly 1).
+        (index < self.cumulative.len()).then_some(index)
+    }
+
+    fn sample_sky(&self, to: &Surface, frame: &ShadingFrame, u: Vec2) -> Option<LightSample> {
+        let direction = cosine_weighted(frame.normal, u);
+        let pdf = frame.cosine(direction) / PI;
+        (pdf > 0.0).then(|| LightSample {
+            direction,
+            radiance: self.scene.sky.radiance,
+            pdf,
+            can_be_hit: true,
+            shadow_ray: Ray::new(to.ray_origin(direction), direction),
+        })
+    }
+}
+
+impl LightSample {
+    fn picked(self, probability: f32) -> Self {
+        Self { pdf: self.pdf * probability, ..self }
+    }
+}
+
+impl LightPoint {
+    fn seen_from(self, to: &Surface, radiance: Vec3, can_be_hit: bool) -> Option<LightSample> {
+        let direction = (self.point.position - to.position).normalize();
+        let target = pushed_out(&self.point);
+        let shadow_ray = shadow_ray(to, direction, target)?;
+        self.pdf.is_finite().then_some(LightSample {
+            direction,
+            radiance,
+            pdf: self.pdf,
+            can_be_hit,
+            shadow_ray,
+        })
+    }
+}
+
+/// Whether a colour sends out any light; NaN does not.
+fn has_light(radiance: Vec3) -> bool {
+    radiance.max_element() > 0.0 && radiance.is_finite()
+}
+
+/// Emitted power in watts, as the mean of the three channels. Not finite or negative: none.
+fn light_power(scene: &Scene, light: &Light) -> f64 {
+    let mean = |c: Vec3| f64::from(c.x + c.y + c.z) / 3.0;
+    let from_area = |radiance: Vec3, area: f32| std::f64::consts::PI * f64::from(area) * mean(radiance);
+    let power = match light {
+        Light::Point { intensity, .. } => 4.0 * std::f64::consts::PI * mean(*intensity),
+        Light::Panel { quad, radiance } => from_area(*radiance, quad.area()),
+        Light::Shape { shape } => match scene.material(*shape).kind {
+            MaterialKind::Emissive { radiance } => from_area(radiance, scene.shape(*shape).area()),
+            MaterialKind::Diffuse { .. } | MaterialKind::Mirror | MaterialKind::Glass { .. } => 0.0,
+        },
+    };
+    if power.is_finite() { power.max(0.0) } else { 0.0 }
+}
+
+fn sample_point(position: Vec3, intensity: Vec3, to: &Surface) -> Option<LightSample> {
+    let way = position - to.position;
+    let distance2 = way.length_squared();
+    let direction = way.try_normalize()?;
+    let shadow_ray = shadow_ray(to, direction, position)?;
+    let radiance = intensity / distance2;
+    Some(LightSample { direction, radiance, pdf: 1.0, can_be_hit: false, shadow_ray })
+}
+
+/// A point drawn by area; `None` where the receiver looks at its inside.
+fn area_point(shape: &Shape, from: Vec3, u: Vec2) -> Option<LightPoint> {
+    let point = shape.sample(u);
+    let way = point.position - from;
+    let distance = way.length();
+    let pdf = area_pdf(shape.area(), -way.dot(point.normal) / distance, distance);
+    (pdf > 0.0).then_some(LightPoint { point, pdf })
+}
+
+/// The PDF by solid angle of a point drawn uniformly from `area`, seen at `cosine` against its normal; 0 from behind.
+fn area_pdf(area: f32, cosine: f32, distance: f32) -> f32 {
+    if cosine > 0.0 && area > 0.0 { distance * distance / (cosine * area) } else { 0.0 }
+}
+
+/// The cone that a sphere fills.
+struct Cone {
+    /// From the receiver to the centre.
+    way: Vec3,
+    /// 1 - cosine of half the opening angle.
+    one_minus_cos: f32,
+    pdf: f32,
+}
+
+/// `None` from inside.
+fn cone(sphere: &Sphere, from: Vec3) -> Option<Cone> {
+    let way = sphere.center - from;
+    let sin2 = sphere.radius * sphere.radius / way.length_squared();
+    // Not 1 - sqrt(1 - sin2), which cancels for small or far spheres.
+    let one_minus_cos = sin2 / (1.0 + (1.0 - sin2).sqrt());
+    (sin2 < 1.0).then(|| Cone { way, one_minus_cos, pdf: 1.0 / (TAU * one_minus_cos) })
+}
+
+/// A point of the visible cap, uniform in the cone.
+fn cone_point(sphere: &Sphere, from: Vec3, u: Vec2) -> Option<LightPoint> {
+    let cone = cone(sphere, from)?;
+    let distance = cone.way.length();
+    let one_minus_cos = u.x * cone.one_minus_cos;
+    let cos = 1.0 - one_minus_cos;
+    let sin2 = one_minus_cos * (2.0 - one_minus_cos);
+    // Where that ray enters the sphere.
+    let half_chord2 = sphere.radius * sphere.radius - distance * distance * sin2;
+    let t = distance * cos - half_chord2.max(0.0).sqrt();
+    let (sin_phi, cos_phi) = (TAU * u.y).sin_cos();
+    let axis = cone.way / distance;
+    let (tangent, bitangent) = axis.any_orthonormal_pair();
+    let direction = sin2.sqrt() * (cos_phi * tangent + sin_phi * bitangent) + cos * axis;
+    let normal = (t * direction - cone.way).try_normalize()?;
+    let position = sphere.center + sphere.radius * normal;
+    // Centre, product and sum are each rounded once, and the unit normal four times.
+    let error = (sphere.center.abs() + Vec3::splat(6.0 * sphere.radius)) * f32::EPSILON;
+    let point = SurfaceSample { position, error, normal, uv: Vec2::ZERO };
+    Some(LightPoint { point, pdf: cone.pdf })
+}
+
+/// The point moved out of its surface by its error bound, so that a way to it ends before the surface.
+fn pushed_out(sample: &SurfaceSample) -> Vec3 {
+    let bound = sample.error.dot(sample.normal.abs()) + f32::EPSILON * sample.position.abs().max_element();
+    sample.position + bound * sample.normal
+}
+
+/// The ray to ask whether the way to `target` is free; `None` where the two are at the same place.
+fn shadow_ray(to: &Surface, direction: Vec3, target: Vec3) -> Option<Ray> {
+    let origin = to.ray_origin(direction);
+    let way = target - origin;
+    let distance = way.length();
+    let direction = way.try_normalize()?;
+    Some(Ray { origin, direction, t_min: 0.0, t_max: distance * (1.0 - SHADOW_RAY_ROUNDING) })
+}

@@ -1,12 +1,15 @@
 //! Pixels from a world: integrators, views, film, the boxes drawn over it, and what was measured on rays.
 
+pub mod bench;
 pub mod bsdf;
 pub mod display;
 pub mod film;
 pub mod integrate;
 pub mod light_sampling;
 pub mod measure;
+pub mod observer;
 pub mod overlay;
+pub mod pass;
 pub mod path;
 pub mod rank;
 pub mod sampler;

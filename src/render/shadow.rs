@@ -1,6 +1,17 @@
 //! The same shadow ray asked three ways: `intersect`, `occluded`, and `occluded` with a filter.
 
+use std::f32::consts::PI;
+
+use glam::Vec3;
 use serde::Serialize;
+
+use super::bsdf::ShadingFrame;
+use super::film::RenderSettings;
+use super::pass::Pass;
+use crate::accel::{Probe, RayCounters};
+use crate::geometry::Ray;
+use crate::scene::{Camera, MaterialKind, ShadowRule};
+use crate::world::World;
 
 /// What a pixel shows when both answers are held against each other. The discriminant is what a class film stores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -50,5 +61,195 @@ impl ShadowClass {
     /// The class that a class film stored.
     pub fn from_number(number: f32) -> Option<Self> {
         Self::ALL.into_iter().find(|c| f32::from(*c as u8) == number)
+    }
+}
+
+/// The nodes visited and the answer of one way of asking.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ShadowAnswer {
+    /// The shape that blocks, if one does: for `intersect` the nearest, for the others the one found first.
+    pub blocker: Option<u32>,
+    pub counters: RayCounters,
+}
+
+/// The three ways of asking.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ShadowQuery {
+    /// Nearest hits, going on through what lets light pass.
+    Intersect,
+    /// Any hit.
+    Occluded,
+    /// Any hit that blocks.
+    Filtered,
+}
+
+impl ShadowQuery {
+    pub const ALL: [Self; 3] = [Self::Intersect, Self::Occluded, Self::Filtered];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Intersect => "intersect",
+            Self::Occluded => "occluded",
+            Self::Filtered => "occluded with filter",
+        }
+    }
+
+    /// Asks a shadow ray this way: the blocking shape.
+    #[inline]
+    pub fn ask<P: Probe>(self, world: &World, ray: &Ray, rule: ShadowRule, probe: &mut P) -> Option<u32> {
+        match self {
+            Self::Intersect => world.occluded_by_intersect(ray, rule, probe),
+            Self::Occluded => world.occluded(ray, probe),
+            Self::Filtered => world.occluded_filtered(ray, rule, probe),
+        }
+    }
+}
+
+/// One shadow ray asked three ways.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ShadowAnswers {
+    pub class: ShadowClass,
+    pub intersect: ShadowAnswer,
+    pub occluded: ShadowAnswer,
+    pub filtered: ShadowAnswer,
+}
+
+impl ShadowAnswers {
+    /// Asks `ray` all three ways.
+    pub fn of(world: &World, ray: &Ray, rule: ShadowRule) -> Self {
+        let [intersect, occluded, filtered] = ShadowQuery::ALL.map(|query| {
+            let mut counters = RayCounters::default();
+            let blocker = query.ask(world, ray, rule, &mut counters);
+            ShadowAnswer { blocker, counters }
+        });
+        Self { class: class_of(intersect.blocker, occluded.blocker), intersect, occluded, filtered }
+    }
+
+    /// Nodes visited by `intersect` minus those visited by `occluded` with filter.
+    pub fn nodes_saved(&self) -> i64 {
+        self.intersect.counters.nodes_visited() as i64 - self.filtered.counters.nodes_visited() as i64
+    }
+}
+
+/// The class of a pixel whose shadow ray was blocked by these, if by anything.
+fn class_of(intersect: Option<u32>, occluded: Option<u32>) -> ShadowClass {
+    match (intersect, occluded) {
+        (None, None) => ShadowClass::LitInBoth,
+        (Some(_), Some(_)) => ShadowClass::DarkInBoth,
+        (None, Some(_)) => ShadowClass::DarkOnlyInOccluded,
+        (Some(_), None) => ShadowClass::DarkOnlyInIntersect,
+    }
+}
+
+/// What a pixel's camera ray meets, as the shadow views see it.
+#[derive(Clone, Copy, Debug)]
+pub enum FirstHit {
+    /// A miss, an emitter, or no light before the surface: its colour, with no ray to ask.
+    NotAsked { color: Vec3 },
+    /// A surface that a light may shine on. Whatever its material, it is shaded as diffuse.
+    Asked {
+        /// From the surface to one point of one light, the same for every way of asking.
+        shadow_ray: Ray,
+        /// The colour in shadow, from the sky alone.
+        dark: Vec3,
+        /// What the light adds where the way is free.
+        light: Vec3,
+    },
+}
+
+/// The first hit of a pixel's camera ray in a pass, with its one light sample. The light is picked by its power; the sky is
+/// picked only where there is nothing else.
+pub fn first_hit(pass: &Pass, x: u32, y: u32) -> FirstHit {
+    let scene = &*pass.world.scene;
+    let ray = pass.camera_ray(x, y);
+    let Some(hit) = pass.world.intersect(&ray, &mut ()) else {
+        return FirstHit::NotAsked { color: scene.sky.radiance };
+    };
+    let surface = scene.surface(&ray, &hit);
+    let material = &scene.materials[surface.material as usize];
+    if let MaterialKind::Emissive { radiance } = material.kind {
+        return FirstHit::NotAsked { color: if surface.front { radiance } else { Vec3::ZERO } };
+    }
+    let frame = ShadingFrame::new(&surface, ray.direction);
+    let albedo = material.color_at(surface.uv, &scene.images).clamp(Vec3::ZERO, Vec3::ONE);
+    let dark = if pass.lights.is_empty() { Vec3::ZERO } else { albedo * scene.sky.radiance };
+    let mut sampler = pass.sampler(x, y);
+    let pick = sampler.next_fine();
+    let light = pass.lights.sample_lights(&surface, &frame, pick, sampler.next_2d());
+    match light.map(|light| (light, frame.cosine(light.direction))) {
+        Some((light, cosine)) if cosine > 0.0 => FirstHit::Asked {
+            shadow_ray: light.shadow_ray,
+            dark,
+            light: albedo * light.radiance * (cosine / (PI * light.pdf)),
+        },
+        Some(_) | None => FirstHit::NotAsked { color: dark },
+    }
+}
+
+/// The pixel's colour with shadows by one way of asking.
+pub fn shaded(pass: &Pass, query: ShadowQuery, x: u32, y: u32) -> Vec3 {
+    match first_hit(pass, x, y) {
+        FirstHit::NotAsked { color } => color,
+        FirstHit::Asked { shadow_ray, dark, light } => {
+            let blocked = query.ask(pass.world, &shadow_ray, pass.shadow_rule, &mut ()).is_some();
+            if blocked { dark } else { dark + light }
+        }
+    }
+}
+
+/// The pixel's class.
+pub fn class(pass: &Pass, x: u32, y: u32) -> ShadowClass {
+    match first_hit(pass, x, y) {
+        FirstHit::NotAsked { .. } => ShadowClass::NotAsked,
+        FirstHit::Asked { shadow_ray, .. } => class_of(
+            ShadowQuery::Intersect.ask(pass.world, &shadow_ray, pass.shadow_rule, &mut ()),
+            ShadowQuery::Occluded.ask(pass.world, &shadow_ray, pass.shadow_rule, &mut ()),
+        ),
+    }
+}
+
+/// Asks the shadow ray of a pixel in a pass three ways; `None` where there is none.
+pub fn answers(pass: &Pass, x: u32, y: u32) -> Option<ShadowAnswers> {
+    match first_hit(pass, x, y) {
+        FirstHit::NotAsked { .. } => None,
+        FirstHit::Asked { shadow_ray, .. } => {
+            Some(ShadowAnswers::of(pass.world, &shadow_ray, pass.shadow_rule))
+        }
+    }
+}
+
+/// Asks the shadow ray of one pixel of a picture of the size in `settings` three ways, as the views `shadow-difference` and
+/// `shadow-saving` do; `None` where there is none.
+pub fn answers_at(
+    world: &World,
+    camera: &Camera,
+    settings: &RenderSettings,
+    rule: ShadowRule,
+    pixel: [u32; 2],
+) -> Option<ShadowAnswers> {
+    let pass = Pass::new(world, camera, [settings.width, settings.height], settings, rule, 0);
+    answers(&pass, pixel[0], pixel[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_class_film_s_numbers_name_the_classes() {
+        for class in ShadowClass::ALL {
+            assert_eq!(ShadowClass::from_number(f32::from(class as u8)), Some(class));
+        }
+        assert_eq!(ShadowClass::from_number(f32::NAN), None);
+        assert_eq!(ShadowClass::from_number(2.5), None);
+    }
+
+    #[test]
+    fn the_false_shadow_is_dark_in_occluded_alone() {
+        assert_eq!(class_of(None, Some(3)), ShadowClass::DarkOnlyInOccluded);
+        assert_eq!(class_of(Some(3), None), ShadowClass::DarkOnlyInIntersect);
+        assert_eq!(class_of(Some(3), Some(4)), ShadowClass::DarkInBoth);
+        assert_eq!(class_of(None, None), ShadowClass::LitInBoth);
     }
 }

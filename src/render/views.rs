@@ -52,15 +52,17 @@ pub enum Counter {
     ShadowSaving,
 }
 
-/// Which rays a heatmap counts.
+/// Which rays a heatmap counts: rays of the Whitted frame of the same sample, so that a heatmap and the figures of
+/// [`super::measure`] tell of the same rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CountKind {
     /// One ray through the pixel's centre.
     #[default]
     Camera,
-    /// Every later ray of the path that is not a shadow ray.
+    /// Reflected and refracted rays.
     Bounce,
+    /// Rays towards the lights.
     Shadow,
     All,
 }
@@ -80,8 +82,8 @@ impl CountKind {
     pub fn description(self) -> &'static str {
         match self {
             Self::Camera => "one ray through the centre of each pixel",
-            Self::Bounce => "reflected, refracted and scattered rays of the path",
-            Self::Shadow => "rays towards the lights",
+            Self::Bounce => "reflected and refracted rays of a Whitted picture",
+            Self::Shadow => "rays towards the lights of a Whitted picture",
             Self::All => "camera, bounce and shadow rays together",
         }
     }

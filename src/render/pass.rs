@@ -1,0 +1,58 @@
+//! One sample of every pixel of a picture: what all integrators and counters of that sample share.
+
+use glam::Vec2;
+
+use super::film::RenderSettings;
+use super::light_sampling::LightTable;
+use super::sampler::{Sampler, pixel_offset};
+use crate::geometry::Ray;
+use crate::scene::camera::CameraFrame;
+use crate::scene::{Camera, ShadowRule};
+use crate::world::World;
+
+/// Everything that a pixel's value is a function of, for one sample number.
+#[derive(Debug)]
+pub struct Pass<'a> {
+    pub world: &'a World,
+    pub lights: LightTable<'a>,
+    pub camera: CameraFrame,
+    pub shadow_rule: ShadowRule,
+    pub seed: u64,
+    pub max_depth: u32,
+    /// Number of the sample, from 0. Sample 0 goes through the pixel's centre.
+    pub sample: u32,
+}
+
+impl<'a> Pass<'a> {
+    /// Sample number `sample` of a picture of `size` pixels (the size in `settings` is not looked at).
+    pub fn new(
+        world: &'a World,
+        camera: &Camera,
+        size: [u32; 2],
+        settings: &RenderSettings,
+        shadow_rule: ShadowRule,
+        sample: u32,
+    ) -> Self {
+        Self {
+            world,
+            lights: LightTable::new(&world.scene),
+            camera: camera.frame(size[0], size[1]),
+            shadow_rule,
+            seed: settings.seed,
+            max_depth: settings.max_depth,
+            sample,
+        }
+    }
+
+    /// The camera ray of this sample.
+    #[inline]
+    pub fn camera_ray(&self, x: u32, y: u32) -> Ray {
+        self.camera.ray(Vec2::new(x as f32, y as f32) + pixel_offset(self.sample))
+    }
+
+    /// The random numbers of a pixel in this sample.
+    #[inline]
+    pub fn sampler(&self, x: u32, y: u32) -> Sampler {
+        Sampler::new(self.seed, [x, y], self.sample)
+    }
+}
