@@ -3,7 +3,16 @@
 pub mod aabb;
 pub mod ray;
 pub mod shape;
+pub mod slabs;
 pub mod transform;
+
+mod polygon;
+mod roots;
+mod rounding;
+mod sampled_area;
+
+#[cfg(test)]
+mod checks;
 
 pub mod cuboid;
 pub mod plane;
@@ -17,7 +26,8 @@ pub use cuboid::Cuboid;
 pub use plane::Plane;
 pub use quad::Quad;
 pub use ray::{Hit, PreparedRay, Ray};
-pub use shape::{Shape, ShapeHit, ShapeKind, SurfacePoint, SurfaceSample};
+pub use shape::{Shape, ShapeHit, ShapeKind, SurfacePoint, SurfaceSample, leave_surface};
+pub use slabs::Slabs;
 pub use sphere::Sphere;
 pub use torus::Torus;
 pub use transform::Rigid;

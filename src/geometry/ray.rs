@@ -75,8 +75,11 @@ pub struct PreparedRay {
 }
 
 impl PreparedRay {
+    /// An infinite `t_max` becomes the largest finite one: no hit lies further, and a box beside an axis-parallel ray,
+    /// which the ray enters at infinity, is then behind its end.
     #[inline]
     pub fn new(ray: Ray) -> Self {
+        let ray = Ray { t_max: ray.t_max.min(f32::MAX), ..ray };
         let d = ray.direction;
         let a = d.abs();
         let kz = if a.x >= a.y && a.x >= a.z {

@@ -68,6 +68,46 @@ pub struct SurfaceSample {
     pub uv: Vec2,
 }
 
+/// The origin of a ray that leaves a surface along `direction`: `position` moved along the unit normal, to the side
+/// that `direction` points to, by the error bound and at least to the next number in each component. It lies on that
+/// side of the true surface for certain, and nothing in between is lost (Waechter and Binder, "A Fast and Robust Method
+/// for Avoiding Self-Intersection", 2019, with the bound in place of their constants).
+#[inline]
+pub fn leave_surface(position: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
+    let side = if direction.dot(normal) < 0.0 { -normal } else { normal };
+    let offset = side * error.dot(normal.abs());
+    let moved = position + offset;
+    let away = |x: f32, offset: f32| {
+        if offset > 0.0 {
+            x.next_up()
+        } else if offset < 0.0 {
+            x.next_down()
+        } else {
+            x
+        }
+    };
+    Vec3::new(away(moved.x, offset.x), away(moved.y, offset.y), away(moved.z, offset.z))
+}
+
+impl SurfacePoint {
+    /// The origin of a ray that leaves along `direction` ([`leave_surface`]).
+    #[inline]
+    pub fn leave(&self, direction: Vec3) -> Vec3 {
+        leave_surface(self.position, self.error, self.normal, direction)
+    }
+}
+
+impl SurfaceSample {
+    /// The ray from `origin` to this point, direction not normalised, whose end lies before this point's own surface
+    /// by what rounding may have moved either of them: whatever it hits stands between.
+    pub fn ray_from(&self, origin: Vec3) -> Ray {
+        let direction = self.position - origin;
+        let spread = (self.error + direction.abs() * f32::EPSILON).dot(self.normal.abs());
+        let t_max = 1.0 - 2.0 * f32::EPSILON - 1.01 * spread / direction.dot(self.normal).abs();
+        Ray { origin, direction, t_min: 0.0, t_max: t_max.max(0.0) }
+    }
+}
+
 /// Calls the same method of whichever shape it is.
 macro_rules! each_shape {
     ($self:expr, $shape:ident => $body:expr) => {
@@ -103,6 +143,12 @@ impl Shape {
         each_shape!(self, s => s.intersect(ray))
     }
 
+    /// As [`Shape::intersect`] with another interval.
+    #[inline]
+    pub fn intersect_within(&self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<ShapeHit> {
+        each_shape!(self, s => s.intersect_within(ray, t_min, t_max))
+    }
+
     /// The surface where `hit`, an answer of [`Shape::intersect`] to `ray`, lies.
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
         each_shape!(self, s => s.surface(ray, hit))
@@ -118,13 +164,14 @@ impl Shape {
         each_shape!(self, s => s.sample(u))
     }
 
-    /// The box around the part of the shape inside `clip` (empty if there is none): exact for triangles and quads,
-    /// an upper bound for the others.
+    /// The box around the part of the shape inside `clip` (empty if there is none): exact for triangles, quads and
+    /// cuboids, an upper bound for the others.
     pub fn clipped_bounds(&self, clip: &Aabb) -> Aabb {
         each_shape!(self, s => s.clipped_bounds(clip))
     }
 
-    /// The area of the part inside `clip`: exact for triangles and quads, sampled with a fixed seed for the others.
+    /// The area of the part inside `clip`: exact for triangles, quads and cuboids, estimated on
+    /// a fixed set of points for the others.
     pub fn area_inside(&self, clip: &Aabb) -> f32 {
         each_shape!(self, s => s.area_inside(clip))
     }
