@@ -86,6 +86,9 @@ pub trait LeafIntersector {
 }
 
 /// The nearest hit at or before `hit.t`, which is replaced if one is found.
+///
+/// Boxes are tested with the origins and the arithmetic of [`crate::geometry::Slabs`], prepared once a ray for the tree's
+/// bounds: shapes confine their hits by the same arithmetic, so no order of boxes can lose one.
 pub fn intersect<L: LeafIntersector, P: Probe>(
     tree: &Tree,
     leaves: &L,
