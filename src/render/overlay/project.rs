@@ -1,0 +1,265 @@
+//! Boxes seen through the camera: on which pixels they lie, and their edges clipped to what is seen.
+
+use glam::{Vec2, Vec3};
+
+use crate::geometry::Aabb;
+use crate::scene::camera::CameraFrame;
+
+/// The near plane lies at this share of the distance to the farthest corner of the scene.
+const NEAR_SHARE: f32 = 1e-4;
+
+/// The corners at the two ends of a box's twelve edges, four along each axis. Corner bits: 0 for max x, 1 for max y,
+/// 2 for max z.
+const EDGES: [[[usize; 2]; 4]; 3] =
+    [[[0, 1], [2, 3], [4, 5], [6, 7]], [[0, 2], [1, 3], [4, 6], [5, 7]], [[0, 4], [1, 5], [2, 6], [3, 7]]];
+
+/// A camera turned for projecting many boxes. Camera space: x right, y up, z forward.
+#[derive(Clone, Copy, Debug)]
+pub struct Projector {
+    pub frame: CameraFrame,
+    near: f32,
+}
+
+/// Pixels that a box may touch: rows and columns `min..max`, inside the picture, never empty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelRect {
+    pub min: [u16; 2],
+    pub max: [u16; 2],
+}
+
+/// What becomes of a box on screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Footprint {
+    Outside,
+    TooSmall,
+    Seen {
+        rect: PixelRect,
+        /// Width + height of what lies inside the picture, in pixels.
+        size: f32,
+        /// Whether edges must be clipped.
+        clipped: bool,
+    },
+}
+
+impl Projector {
+    /// For a scene inside `bounds`.
+    pub fn new(frame: CameraFrame, bounds: &Aabb) -> Self {
+        let farthest = bounds.corners().iter().map(|&c| (c - frame.eye).length()).fold(0.0, f32::max);
+        Self { frame, near: (farthest * NEAR_SHARE).max(f32::MIN_POSITIVE) }
+    }
+
+    /// The corners in camera space, in the order of [`Aabb::corners`].
+    #[inline]
+    pub fn corners(&self, bounds: &Aabb) -> [Vec3; 8] {
+        let f = &self.frame;
+        let d = bounds.min - f.eye;
+        let e = bounds.max - bounds.min;
+        let base = Vec3::new(d.dot(f.right), d.dot(f.up), d.dot(f.forward));
+        let axis = |i: usize| Vec3::new(f.right[i], f.up[i], f.forward[i]) * e[i];
+        let (x, y, z) = (axis(0), axis(1), axis(2));
+        let (bx, by, bxy) = (base + x, base + y, base + x + y);
+        [base, bx, by, bxy, base + z, bx + z, by + z, bxy + z]
+    }
+
+    /// Pixels from the top left, and 1 / z, which is linear on the screen.
+    #[inline]
+    pub fn to_screen(&self, p: Vec3) -> Vec3 {
+        let f = &self.frame;
+        let w = 1.0 / p.z;
+        let x = (p.x * w / f.half_size.x + 1.0) * 0.5 * f.size.x;
+        let y = (1.0 - p.y * w / f.half_size.y) * 0.5 * f.size.y;
+        Vec3::new(x, y, w)
+    }
+
+    /// Where a box lies on the screen.
+    pub fn footprint(&self, bounds: &Aabb) -> Footprint {
+        let corners = self.corners(bounds);
+        let planes = corners.map(|c| self.planes(c));
+        for plane in 0..5 {
+            // Written so that a NaN, which only absurd coordinates give, is outside.
+            if !planes.iter().any(|p| p[plane] >= 0.0) {
+                return Footprint::Outside;
+            }
+        }
+        let clipped = planes.iter().any(|p| p.iter().any(|&distance| distance < 0.0));
+        let crosses_near = planes.iter().any(|p| p[0] < 0.0);
+        let (mut min, mut max) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+        let mut grow = |p: Vec3| {
+            let p = self.to_screen(p).truncate();
+            (min, max) = (min.min(p), max.max(p));
+        };
+        if crosses_near {
+            for [a, b] in EDGES.as_flattened() {
+                if let Some((a, b)) = clip(corners[*a], corners[*b], planes[*a][0], planes[*b][0]) {
+                    grow(a);
+                    grow(b);
+                }
+            }
+        } else {
+            corners.into_iter().for_each(grow);
+        }
+        if (max - min).max_element() < 1.0 {
+            return Footprint::TooSmall;
+        }
+        self.seen(min, max, clipped)
+    }
+
+    fn seen(&self, min: Vec2, max: Vec2, clipped: bool) -> Footprint {
+        let size = self.frame.size;
+        let (min, max) = (min.max(Vec2::ZERO), max.min(size));
+        if !(min.x <= max.x && min.y <= max.y) {
+            return Footprint::Outside;
+        }
+        // One pixel around, since a line is wider than its edge.
+        let low = |v: f32| (v.floor() - 1.0).max(0.0) as u16;
+        let high = |v: f32, end: f32| (v.ceil() + 1.0).min(end) as u16;
+        let rect =
+            PixelRect { min: [low(min.x), low(min.y)], max: [high(max.x, size.x), high(max.y, size.y)] };
+        Footprint::Seen { rect, size: (max - min).element_sum(), clipped }
+    }
+
+    /// Signed distances, up to scale, to the planes that bound what is seen (near, left, right, bottom, top): inside
+    /// where all are at least 0.
+    #[inline]
+    fn planes(&self, p: Vec3) -> [f32; 5] {
+        let x = self.frame.half_size.x * p.z;
+        let y = self.frame.half_size.y * p.z;
+        [p.z - self.near, p.x + x, x - p.x, p.y + y, y - p.y]
+    }
+
+    /// The edges of a box as lines on the screen (see [`Projector::to_screen`]), each once, clipped to what is seen.
+    pub fn edges(&self, bounds: &Aabb, clipped: bool, mut draw: impl FnMut(Vec3, Vec3)) {
+        let corners = self.corners(bounds);
+        let extent = bounds.extent();
+        for (axis, edges) in EDGES.iter().enumerate() {
+            if extent[axis] == 0.0 {
+                continue;
+            }
+            for &[a, b] in edges {
+                // Of edges that fall together in a flat box, the one at its min.
+                if (0..3).any(|other| other != axis && extent[other] == 0.0 && a >> other & 1 == 1) {
+                    continue;
+                }
+                let seen =
+                    if clipped { self.clip(corners[a], corners[b]) } else { Some((corners[a], corners[b])) };
+                if let Some((a, b)) = seen {
+                    draw(self.to_screen(a), self.to_screen(b));
+                }
+            }
+        }
+    }
+
+    /// The part of a segment in camera space that is seen.
+    fn clip(&self, mut a: Vec3, mut b: Vec3) -> Option<(Vec3, Vec3)> {
+        for plane in 0..5 {
+            (a, b) = clip(a, b, self.planes(a)[plane], self.planes(b)[plane])?;
+        }
+        Some((a, b))
+    }
+}
+
+/// The part of a segment on the side of a plane where the distance, linear along it, is at least 0.
+fn clip(a: Vec3, b: Vec3, distance_a: f32, distance_b: f32) -> Option<(Vec3, Vec3)> {
+    let cut = || a + (b - a) * (distance_a / (distance_a - distance_b));
+    match (distance_a >= 0.0, distance_b >= 0.0) {
+        (true, true) => Some((a, b)),
+        (true, false) => Some((a, cut())),
+        (false, true) => Some((cut(), b)),
+        (false, false) => None,
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// Looks from the origin along -z; 90 degrees wide and high; 100 x 100 pixels.
+    pub fn front_frame() -> CameraFrame {
+        CameraFrame {
+            eye: Vec3::ZERO,
+            right: Vec3::X,
+            up: Vec3::Y,
+            forward: Vec3::NEG_Z,
+            half_size: Vec2::ONE,
+            size: Vec2::splat(100.0),
+        }
+    }
+
+    fn projector() -> Projector {
+        Projector::new(front_frame(), &Aabb::new(Vec3::splat(-100.0), Vec3::splat(100.0)))
+    }
+
+    fn cube(center: Vec3, half: f32) -> Aabb {
+        Aabb::new(center - half, center + half)
+    }
+
+    #[test]
+    fn corners_agree_with_the_camera() {
+        let p = projector();
+        let bounds = Aabb::new(Vec3::new(-1.0, 2.0, -9.0), Vec3::new(3.0, 4.0, -5.0));
+        for (seen, corner) in p.corners(&bounds).into_iter().zip(bounds.corners()) {
+            let (ours, theirs) = (p.to_screen(seen), p.frame.project(corner));
+            assert!((ours.truncate() - theirs.truncate()).length() < 1e-3);
+            assert!((1.0 / ours.z - theirs.z).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn a_box_is_outside_too_small_or_seen() {
+        let p = projector();
+        assert_eq!(p.footprint(&cube(Vec3::new(0.0, 0.0, 5.0), 1.0)), Footprint::Outside);
+        assert_eq!(p.footprint(&cube(Vec3::new(40.0, 0.0, -5.0), 1.0)), Footprint::Outside);
+        assert_eq!(p.footprint(&cube(Vec3::new(0.0, 0.0, -50.0), 0.2)), Footprint::TooSmall);
+        let Footprint::Seen { rect, size, clipped } = p.footprint(&cube(Vec3::new(0.0, 0.0, -5.0), 1.0))
+        else {
+            panic!("it lies in the middle of the picture");
+        };
+        // Its near side, at distance 4, covers a quarter of 100 pixels each way from the middle: 37.5 to 62.5.
+        assert!(!clipped && (size - 50.0).abs() < 1e-3);
+        assert_eq!((rect.min, rect.max), ([36, 36], [64, 64]));
+    }
+
+    #[test]
+    fn a_box_around_the_eye_covers_the_picture() {
+        let p = projector();
+        let Footprint::Seen { rect, clipped, .. } = p.footprint(&cube(Vec3::ZERO, 10.0)) else {
+            panic!("the eye is inside");
+        };
+        assert!(clipped);
+        assert_eq!((rect.min, rect.max), ([0, 0], [100, 100]));
+    }
+
+    #[test]
+    fn absurd_coordinates_are_outside() {
+        let p = projector();
+        let huge = Aabb::new(Vec3::splat(-3e38), Vec3::splat(3e38));
+        let _ = p.footprint(&huge);
+        p.edges(&huge, true, |_, _| ());
+        assert_eq!(p.footprint(&cube(Vec3::splat(f32::NAN), 1.0)), Footprint::Outside);
+    }
+
+    fn edges(bounds: &Aabb, clipped: bool) -> Vec<(Vec3, Vec3)> {
+        let mut out = Vec::new();
+        projector().edges(bounds, clipped, |a, b| out.push((a, b)));
+        out
+    }
+
+    #[test]
+    fn a_flat_box_has_four_edges_and_a_needle_one() {
+        let at = |e: Vec3| Aabb::new(Vec3::new(0.0, 0.0, -5.0), Vec3::new(0.0, 0.0, -5.0) + e);
+        assert_eq!(edges(&at(Vec3::ONE), false).len(), 12);
+        assert_eq!(edges(&at(Vec3::new(1.0, 0.0, 1.0)), false).len(), 4);
+        assert_eq!(edges(&at(Vec3::new(0.0, 1.0, 0.0)), false).len(), 1);
+        assert_eq!(edges(&at(Vec3::ZERO), false).len(), 0);
+    }
+
+    #[test]
+    fn clipped_edges_stay_inside_the_picture_and_before_the_eye() {
+        let lines = edges(&cube(Vec3::new(1.0, 0.5, -1.0), 3.0), true);
+        assert!(!lines.is_empty());
+        for point in lines.iter().flat_map(|(a, b)| [a, b]) {
+            assert!(point.z > 0.0 && point.truncate().cmpge(Vec2::splat(-0.01)).all(), "{point}");
+            assert!(point.truncate().cmple(Vec2::splat(100.01)).all(), "{point}");
+        }
+    }
+}
