@@ -3,6 +3,7 @@
 //! A frame is: receive finished work, draw panels, apply commands, start work.
 
 pub mod commands;
+pub mod jobs;
 pub mod panels;
 pub mod theme;
 pub mod view;

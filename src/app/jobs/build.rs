@@ -1,0 +1,82 @@
+//! Building the tree of the session, newest next, and counting its camera rays.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::figures::{FiguresKey, count_camera_rays};
+use super::gate::OnLease;
+use super::keys::TreeKey;
+use super::newest::Patience;
+use super::{Job, PoolKind, Run};
+use crate::render::measure::RayFigures;
+use crate::scene::Scene;
+use crate::session::{Session, prepare};
+use crate::task::{Cancelled, Task};
+use crate::world::World;
+
+/// A build that takes longer than this gives way to a newer request.
+pub const PATIENCE: Duration = Duration::from_millis(200);
+
+/// A tree to build.
+#[derive(Clone)]
+pub struct BuildRequest {
+    pub key: TreeKey,
+    /// The scene as it was loaded.
+    pub still: Arc<Scene>,
+    /// The scene of the key's moment, if it is at hand.
+    pub staged: Option<Arc<Scene>>,
+    pub session: Session,
+    pub figures: FiguresKey,
+}
+
+/// What a build says.
+pub enum BuildMessage {
+    Built { key: TreeKey, world: Arc<World> },
+    Counted { key: FiguresKey, rays: RayFigures },
+}
+
+pub type BuildJob = Job<BuildRequest, BuildMessage>;
+
+pub fn job() -> BuildJob {
+    Job::new(Patience::Within(PATIENCE), PoolKind::Build, |run| {
+        // A cancelled build says nothing; the next one is on its way.
+        let _ = build(run);
+    })
+}
+
+/// For the screen: `building binned, 32 bins`.
+pub fn what(session: &Session) -> String {
+    let config = session.build();
+    let mut what = format!("building {}", config.builder.name());
+    if config.width.get() > 2 {
+        what += &format!(", width {}", config.width.name());
+    }
+    if config.builder.uses_bins() {
+        what += &format!(", {} bins", config.bins);
+    }
+    what
+}
+
+fn build(run: &Run<BuildRequest, BuildMessage>) -> Result<(), Cancelled> {
+    let _pass = run.context.gate.enter(run.task, OnLease::Finish)?;
+    let request = run.request;
+    let scene = match &request.staged {
+        Some(scene) => Arc::clone(scene),
+        None => prepare::stage(&request.still, &request.session),
+    };
+    run.task.check()?;
+    let world = Arc::new(World::build(scene, &request.key.config, run.task)?);
+    run.emit(BuildMessage::Built { key: request.key, world: Arc::clone(&world) });
+    let rays = count(&world, request, run.task)?;
+    run.emit(BuildMessage::Counted { key: request.figures, rays });
+    Ok(())
+}
+
+fn count(world: &World, request: &BuildRequest, task: &Task) -> Result<RayFigures, Cancelled> {
+    let settings = crate::render::RenderSettings {
+        width: request.figures.width,
+        height: request.figures.height,
+        ..request.session.render
+    };
+    count_camera_rays(world, &request.figures.camera, &settings, task)
+}

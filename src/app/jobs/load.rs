@@ -1,0 +1,135 @@
+//! Opening a scene or a session: file, scene, moment, tree, all off the window's thread. Until it is done, and if it
+//! fails, what was open stays.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::gate::OnLease;
+use super::keys::{SceneKey, TreeKey};
+use super::newest::Patience;
+use super::{Job, PoolKind, Run};
+use crate::export::session_file;
+use crate::scene::{LoadError, Scene, SceneRef};
+use crate::session::{Session, SessionScene, prepare};
+use crate::world::World;
+
+/// What to open.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// A scene; the other settings of the session stay.
+    Scene(SceneRef),
+    /// A session's file, or a PNG that carries one.
+    SessionFile(PathBuf),
+    /// A session as it is: the one that the program was started with.
+    Session,
+}
+
+#[derive(Clone)]
+pub struct LoadRequest {
+    /// Counts the loads.
+    pub number: u64,
+    pub source: Source,
+    /// The session of now.
+    pub session: Session,
+    /// Set when the tree is being built.
+    building: Arc<AtomicBool>,
+}
+
+/// Something that was opened.
+pub struct Opened {
+    pub source: Source,
+    pub session: Session,
+    pub still: Arc<Scene>,
+    pub world: Arc<World>,
+    pub key: TreeKey,
+    pub warnings: Vec<String>,
+}
+
+pub enum LoadMessage {
+    Opened(Box<Opened>),
+    Failed { message: String },
+}
+
+pub type LoadJob = Job<LoadRequest, LoadMessage>;
+
+pub fn job() -> LoadJob {
+    Job::new(Patience::None, PoolKind::Work, |run| match open(run) {
+        Ok(opened) => run.emit(LoadMessage::Opened(Box::new(opened))),
+        Err(_) if run.task.is_cancelled() => {}
+        Err(message) => run.emit(LoadMessage::Failed { message }),
+    })
+}
+
+impl LoadRequest {
+    pub fn new(number: u64, source: Source, session: Session) -> Self {
+        Self { number, source, session, building: Arc::default() }
+    }
+
+    /// For the screen.
+    pub fn what(&self) -> String {
+        let name = match &self.source {
+            Source::Scene(scene) => short_name(scene),
+            Source::SessionFile(path) => {
+                path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into())
+            }
+            Source::Session => short_name(&self.session.scene.reference),
+        };
+        if self.building.load(Ordering::Relaxed) {
+            format!("building the tree of {name}")
+        } else {
+            format!("loading {name}")
+        }
+    }
+}
+
+/// A scene's name without its folders.
+pub fn short_name(scene: &SceneRef) -> String {
+    match scene {
+        SceneRef::Builtin(name) => name.clone(),
+        SceneRef::File(path) => {
+            path.file_name().map_or_else(|| scene.text(), |n| n.to_string_lossy().into_owned())
+        }
+    }
+}
+
+fn open(run: &Run<LoadRequest, LoadMessage>) -> Result<Opened, String> {
+    let request = run.request;
+    let _pass = run.context.gate.enter(run.task, OnLease::Finish).map_err(|c| c.to_string())?;
+    let mut session = wanted_session(request)?;
+    let prepared = prepare::open(&mut session, run.task).map_err(|error: LoadError| error.to_string())?;
+    request.building.store(true, Ordering::Relaxed);
+    let config = *session.build();
+    config.check().map_err(|error| error.to_string())?;
+    let world = World::build(Arc::clone(&prepared.scene), &config, run.task).map_err(|c| c.to_string())?;
+    let key = TreeKey { scene: SceneKey::of(request.number, &prepared.still, &session), config };
+    Ok(Opened {
+        source: request.source.clone(),
+        session,
+        still: prepared.still,
+        world: Arc::new(world),
+        key,
+        warnings: prepared.warnings,
+    })
+}
+
+/// The session as it will be when everything has been opened.
+fn wanted_session(request: &LoadRequest) -> Result<Session, String> {
+    match &request.source {
+        Source::Scene(scene) => {
+            let mut session = request.session.clone();
+            session.scene = SessionScene { reference: scene.clone(), ..SessionScene::default() };
+            session.camera = None;
+            session.time = 0.0;
+            session.display.range = None;
+            session.display.threshold = None;
+            if let SceneRef::Builtin(_) = scene {
+                session.up = crate::scene::UpAxis::Y;
+                session.ground = false;
+            }
+            Ok(session)
+        }
+        Source::SessionFile(path) => session_file::open(path).map_err(|error| error.to_string()),
+        Source::Session => Ok(request.session.clone()),
+    }
+}

@@ -1,0 +1,66 @@
+//! Everything that takes longer than a frame, one file a kind. Nothing in here draws; results are plain data.
+
+pub mod bin_curve;
+pub mod build;
+pub mod dialog;
+pub mod export;
+pub mod figures;
+pub mod gate;
+pub mod job;
+pub mod keys;
+pub mod load;
+pub mod newest;
+pub mod overlay;
+pub mod pools;
+pub mod present;
+pub mod render;
+pub mod shadow;
+pub mod table;
+
+use std::sync::{Arc, Mutex};
+
+pub use gate::{Gate, OnLease};
+pub use job::{Job, Run};
+pub use keys::{FilmKey, OverlayKey, SceneKey, TreeKey};
+pub use newest::Patience;
+pub use pools::{PoolKind, Pools};
+
+/// What all jobs share: threads, the gate of timed measurements, and how to wake the window.
+#[derive(Clone)]
+pub struct Context {
+    pools: Arc<Mutex<Arc<Pools>>>,
+    pub gate: Gate,
+    window: egui::Context,
+}
+
+impl Context {
+    /// `threads`: 0 for all.
+    pub fn new(window: egui::Context, threads: usize) -> Self {
+        let pools = Arc::new(Mutex::new(Arc::new(Pools::new(threads))));
+        Self { pools, gate: Gate::default(), window }
+    }
+
+    /// A context without a window.
+    #[cfg(test)]
+    pub fn for_tests() -> Self {
+        Self::new(egui::Context::default(), 2)
+    }
+
+    /// The current pools; work that runs keeps those that it started with.
+    pub fn pools(&self) -> Arc<Pools> {
+        Arc::clone(&self.pools.lock().expect("nothing panics while it holds the pools' lock"))
+    }
+
+    /// Makes new pools if the number of threads is another one.
+    pub fn set_threads(&self, threads: usize) {
+        let mut pools = self.pools.lock().expect("nothing panics while it holds the pools' lock");
+        if pools.threads() != threads {
+            *pools = Arc::new(Pools::new(threads));
+        }
+    }
+
+    /// Asks the window for a frame. From any thread.
+    pub fn wake(&self) {
+        self.window.request_repaint();
+    }
+}
