@@ -352,7 +352,7 @@ const fn real(
 }
 
 /// A number with commas between thousands.
-fn grouped(number: f64, decimals: usize) -> String {
+pub fn grouped(number: f64, decimals: usize) -> String {
     let plain = format!("{:.decimals$}", number.abs());
     let (whole, fraction) = plain.split_at(plain.find('.').unwrap_or(plain.len()));
     let mut out = String::with_capacity(plain.len() + whole.len() / 3 + 1);

@@ -1,7 +1,22 @@
 //! The panels, one file each. A panel owns only its own view state: it reads an [`AppView`] and pushes commands.
 
+mod boxes;
+mod build;
+mod chart;
+mod cost;
+mod export;
+mod glossary;
+mod heatmap;
+mod numbers;
+mod range_bars;
+mod scene;
+mod shadows;
+mod table;
+mod widgets;
+
 use std::path::PathBuf;
 
+use egui::{Frame, Margin, ScrollArea, Ui};
 use serde::{Deserialize, Serialize};
 
 use super::commands::{Commands, SaveTarget};
@@ -48,18 +63,40 @@ impl PanelKind {
 
 /// The view state of all panels.
 #[derive(Default)]
-pub struct Panels {}
+pub struct Panels {
+    scene: scene::ScenePanel,
+    build: build::BuildPanel,
+    boxes: boxes::BoxesPanel,
+    heatmap: heatmap::HeatmapPanel,
+    cost: cost::CostPanel,
+    shadows: shadows::ShadowsPanel,
+    table: table::TablePanel,
+    export: export::ExportPanel,
+}
 
 impl Panels {
-    /// Draws one panel.
-    pub fn ui(&mut self, kind: PanelKind, ui: &mut egui::Ui, view: &AppView, commands: &mut Commands) {
-        let _ = (kind, ui, view, commands);
-        todo!()
+    /// Draws one panel into all of `ui`, with margins, scrolled where it does not fit.
+    pub fn ui(&mut self, kind: PanelKind, ui: &mut Ui, view: &AppView, commands: &mut Commands) {
+        ScrollArea::vertical().id_salt(kind.title()).auto_shrink(false).show(ui, |ui| {
+            Frame::NONE.inner_margin(Margin { left: 10, right: 12, top: 8, bottom: 12 }).show(ui, |ui| {
+                ui.set_width(ui.available_width());
+                widgets::set_spacing(ui);
+                match kind {
+                    PanelKind::Scene => self.scene.ui(ui, view, commands),
+                    PanelKind::Build => self.build.ui(ui, view, commands),
+                    PanelKind::Boxes => self.boxes.ui(ui, view, commands),
+                    PanelKind::Heatmap => self.heatmap.ui(ui, view, commands),
+                    PanelKind::Cost => self.cost.ui(ui, view, commands),
+                    PanelKind::Shadows => self.shadows.ui(ui, view, commands),
+                    PanelKind::Table => self.table.ui(ui, view, commands),
+                    PanelKind::Export => self.export.ui(ui, view, commands),
+                }
+            });
+        });
     }
 
     /// Takes the answer to [`Command::AskSavePath`](super::commands::Command::AskSavePath).
     pub fn path_chosen(&mut self, target: SaveTarget, path: PathBuf) {
-        let _ = (target, path);
-        todo!()
+        self.export.path_chosen(target, path);
     }
 }

@@ -1,0 +1,179 @@
+//! Which boxes of the tree are drawn over the picture, and how.
+
+use egui::{DragValue, Ui};
+
+use crate::accel::quality::DepthLevel;
+use crate::app::commands::Commands;
+use crate::app::view::AppView;
+use crate::render::{BoxColor, BoxStyle, OverlaySettings};
+
+use super::glossary::Term;
+use super::numbers;
+use super::range_bars::{FreeDrag, RangeBars};
+use super::widgets::{self, Figure};
+
+/// How deep the boxes are shown when they are first switched on.
+const FIRST_DEPTH: u32 = 6;
+const LARGEST_BUDGET: u32 = 10_000_000;
+
+/// View state of the Boxes panel.
+#[derive(Default)]
+pub struct BoxesPanel {
+    /// The depths that were shown when the boxes were switched off.
+    last_depths: Option<[u32; 2]>,
+}
+
+impl BoxesPanel {
+    pub fn ui(&mut self, ui: &mut Ui, view: &AppView, commands: &mut Commands) {
+        let settings = view.session.overlay;
+        let deepest = view.world.and_then(|w| w.figures.depth_max).unwrap_or(0);
+        widgets::section(ui, "Boxes");
+        if widgets::switch(ui, Term::ShowBoxes, settings.depths.is_some()) {
+            let depths = if settings.depths.is_some() {
+                self.last_depths = settings.depths;
+                None
+            } else {
+                Some(self.last_depths.unwrap_or([0, FIRST_DEPTH.min(deepest)]))
+            };
+            commands.edit(move |s| s.overlay.depths = depths);
+        }
+        style(ui, &settings, commands);
+        depth_range(ui, view, deepest, commands);
+        drawn(ui, view);
+    }
+}
+
+fn style(ui: &mut Ui, settings: &OverlaySettings, commands: &mut Commands) {
+    let describe = |s: BoxStyle| (s.name(), s.description());
+    if let Some(style) =
+        widgets::segmented(ui, Term::BoxStyle, Some(settings.style), &BoxStyle::ALL, &describe)
+    {
+        commands.edit(move |s| s.overlay.style = style);
+    }
+    ui.add_enabled_ui(settings.style != BoxStyle::Density, |ui| {
+        let describe = |c: BoxColor| match c {
+            BoxColor::Depth => ("depth", c.description()),
+            BoxColor::LeafSize => ("leaf size", c.description()),
+            BoxColor::SahShare => ("SAH share", c.description()),
+        };
+        if let Some(color) =
+            widgets::segmented(ui, Term::BoxColor, Some(settings.color), &BoxColor::ALL, &describe)
+        {
+            commands.edit(move |s| s.overlay.color = color);
+        }
+        if widgets::switch(ui, Term::Hidden, settings.show_hidden) {
+            commands.edit(|s| s.overlay.show_hidden = !s.overlay.show_hidden);
+        }
+    });
+    if widgets::switch(ui, Term::LeavesOnly, settings.leaves_only) {
+        commands.edit(|s| s.overlay.leaves_only = !s.overlay.leaves_only);
+    }
+    let mut budget = settings.budget;
+    let speed = 0.02 * f64::from(budget).max(50.0);
+    let field = DragValue::new(&mut budget)
+        .range(1..=LARGEST_BUDGET)
+        .speed(speed)
+        .custom_formatter(|n, _| numbers::count(n as u64))
+        .custom_parser(|t| t.replace(',', "").parse().ok());
+    if widgets::number(ui, Term::Budget, field).changed() {
+        commands.edit(move |s| s.overlay.budget = budget);
+    }
+}
+
+/// The bars that are the slider, and number fields for the same range.
+fn depth_range(ui: &mut Ui, view: &AppView, deepest: u32, commands: &mut Commands) {
+    widgets::term_section(ui, Term::DepthRange);
+    let palette = view.palette;
+    let Some(world) = view.world else {
+        widgets::caption(ui, palette, "No tree has been built yet.");
+        return;
+    };
+    let levels = &world.figures.levels;
+    let bars: Vec<[f64; 2]> = levels.iter().map(|l| [l.inner_count as f64, l.leaf_count as f64]).collect();
+    let depths = view.session.overlay.depths.map(|[lo, hi]| [lo.min(deepest), hi.min(deepest)]);
+    let shown = RangeBars {
+        label: "Depth range, over nodes and leaves per depth",
+        bars: &bars,
+        domain: [0.0, f64::from(deepest) + 1.0],
+        selection: depths.map(|[lo, hi]| [f64::from(lo), f64::from(hi) + 1.0]),
+        step: 1.0,
+        free_drag: FreeDrag::Select,
+        height: 96.0,
+        colors: &|_| [palette.accent, palette.second],
+        mark: None,
+    }
+    .show(ui, palette);
+    if let Some([lo, hi]) = shown.changed {
+        let depths = [lo as u32, (hi as u32).saturating_sub(1).max(lo as u32)];
+        commands.edit(move |s| s.overlay.depths = Some(depths));
+    }
+    if let Some((depth, level)) = shown.hovered.and_then(|i| Some((i, levels.get(i)?))) {
+        shown.response.on_hover_ui_at_pointer(|ui| level_tooltip(ui, depth, level));
+    }
+    widgets::legend(ui, palette, &[("inner nodes", palette.accent), ("leaves", palette.second)]);
+    depth_fields(ui, depths, deepest, commands);
+}
+
+fn level_tooltip(ui: &mut Ui, depth: usize, level: &DepthLevel) {
+    ui.strong(format!("Depth {depth}"));
+    ui.label(format!("{} inner nodes", numbers::count(level.inner_count as u64)));
+    ui.label(format!(
+        "{} leaves with {} references",
+        numbers::count(level.leaf_count as u64),
+        numbers::count(level.reference_count as u64)
+    ));
+}
+
+fn depth_fields(ui: &mut Ui, depths: Option<[u32; 2]>, deepest: u32, commands: &mut Commands) {
+    ui.add_enabled_ui(depths.is_some(), |ui| {
+        let [mut lo, mut hi] = depths.unwrap_or([0, deepest]);
+        let mut changed = false;
+        ui.horizontal(|ui| {
+            ui.spacing_mut().interact_size.x = widgets::NUMBER_WIDTH;
+            let low = DragValue::new(&mut lo).range(0..=hi).speed(0.1);
+            changed |= ui
+                .add(low)
+                .on_hover_text("The least depth that is drawn.")
+                .accessible_name("Least depth")
+                .changed();
+            ui.label("to");
+            let high = DragValue::new(&mut hi).range(lo..=deepest).speed(0.1);
+            changed |= ui
+                .add(high)
+                .on_hover_text("The greatest depth that is drawn.")
+                .accessible_name("Greatest depth")
+                .changed();
+            if ui.button("All").on_hover_text("Draws the boxes of every depth.").clicked() {
+                [lo, hi] = [0, deepest];
+                changed = true;
+            }
+        });
+        if changed {
+            commands.edit(move |s| s.overlay.depths = Some([lo, hi]));
+        }
+    });
+}
+
+/// What became of the selected boxes.
+fn drawn(ui: &mut Ui, view: &AppView) {
+    let Some(overlay) = view.overlay.filter(|_| view.session.overlay.depths.is_some()) else { return };
+    widgets::section(ui, "In the picture");
+    let count = |n: usize| numbers::count(n as u64);
+    Figure::new(Term::Selected, count(overlay.selected)).show(ui, view.palette);
+    Figure::new(Term::Drawn, count(overlay.drawn)).show(ui, view.palette);
+    for (term, n) in [(Term::Outside, overlay.outside), (Term::TooSmall, overlay.too_small)] {
+        Figure::new(term, count(n)).part().show(ui, view.palette);
+    }
+    let mut figure = Figure::new(Term::OverBudget, count(overlay.over_budget)).part();
+    if overlay.over_budget > 0 {
+        figure = figure.color(view.palette.warning);
+    }
+    figure.show(ui, view.palette);
+    if overlay.over_budget > 0 {
+        let text = format!(
+            "{} boxes are left out: raise the budget or narrow the depths.",
+            count(overlay.over_budget)
+        );
+        widgets::notice(ui, view.palette.warning, text);
+    }
+}

@@ -1,0 +1,379 @@
+//! Where the cost of the tree lies, how well it predicts what rays pay, and what the number of bins does to both.
+
+use egui::{Color32, Ui};
+use egui_plot::{HLine, Line, PlotPoints, Points, VLine};
+
+use crate::accel::{BuildConfig, Builder};
+use crate::app::commands::Commands;
+use crate::app::theme::Palette;
+use crate::app::view::{AppView, BinCurve};
+use crate::inspect::bin_sweep::BinPoint;
+use crate::render::measure::RayFigures;
+use crate::world::World;
+
+use super::chart::{self, Axis, Chart};
+use super::glossary::Term;
+use super::numbers;
+use super::widgets::{self, Figure};
+
+/// What a curve over the number of bins shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Curve {
+    SahCost,
+    NodesVisited,
+    BuildTime,
+}
+
+impl Curve {
+    const ALL: [Self; 3] = [Self::SahCost, Self::NodesVisited, Self::BuildTime];
+
+    fn term(self) -> Term {
+        match self {
+            Self::SahCost => Term::SahCost,
+            Self::NodesVisited => Term::NodesVisited,
+            Self::BuildTime => Term::BuildTime,
+        }
+    }
+
+    fn unit(self) -> &'static str {
+        match self {
+            Self::SahCost | Self::NodesVisited => "",
+            Self::BuildTime => "ms",
+        }
+    }
+
+    fn of(self, point: &BinPoint) -> Option<f64> {
+        match self {
+            Self::SahCost => point.sah_cost,
+            Self::NodesVisited => point.nodes_visited_mean,
+            Self::BuildTime => Some(point.build_ms),
+        }
+    }
+
+    /// Times taken while something else ran are marked.
+    fn is_sure(self, point: &BinPoint) -> bool {
+        match self {
+            Self::SahCost | Self::NodesVisited => true,
+            Self::BuildTime => point.timed_alone,
+        }
+    }
+
+    fn color(self, palette: &Palette) -> Color32 {
+        match self {
+            Self::SahCost => palette.accent,
+            Self::NodesVisited => palette.third,
+            Self::BuildTime => palette.second,
+        }
+    }
+}
+
+/// View state of the Cost panel.
+pub struct CostPanel {
+    /// Which of [`Curve::ALL`] are shown.
+    curves: [bool; 3],
+}
+
+impl Default for CostPanel {
+    fn default() -> Self {
+        Self { curves: [true; 3] }
+    }
+}
+
+impl CostPanel {
+    pub fn ui(&mut self, ui: &mut Ui, view: &AppView, commands: &mut Commands) {
+        let Some(world) = view.world else {
+            widgets::section(ui, Term::SahCost.label());
+            widgets::caption(ui, view.palette, "No tree has been built yet.");
+            return;
+        };
+        parts(ui, view.palette, world);
+        prediction(ui, view, world);
+        per_depth(ui, view.palette, world);
+        leaf_sizes(ui, view.palette, world);
+        self.bins(ui, view, commands);
+    }
+
+    fn bins(&mut self, ui: &mut Ui, view: &AppView, commands: &mut Commands) {
+        widgets::term_section(ui, Term::BinCurve);
+        let curve = view.bin_curve;
+        ui.horizontal_wrapped(|ui| {
+            for (kind, shown) in Curve::ALL.into_iter().zip(&mut self.curves) {
+                ui.checkbox(shown, kind.term().label()).on_hover_text(kind.term().text());
+            }
+        });
+        if curve.points.is_empty() {
+            let text = if curve.pending > 0 { "Building…" } else { "Not measured yet." };
+            widgets::caption(ui, view.palette, text);
+        }
+        let mut clicked = None;
+        for (kind, _) in Curve::ALL.into_iter().zip(self.curves).filter(|(_, shown)| *shown) {
+            if !curve.points.is_empty() {
+                clicked = clicked.or(bin_chart(ui, view, kind));
+            }
+        }
+        if let Some(bins) = clicked {
+            commands.edit(move |s| {
+                let build = s.build_mut();
+                build.bins = bins;
+                build.builder = Builder::Binned;
+            });
+        }
+        curve_notes(ui, view, curve);
+    }
+}
+
+fn parts(ui: &mut Ui, palette: &Palette, world: &World) {
+    widgets::term_section(ui, Term::SahCost);
+    let cost = world.figures.sah_cost;
+    let share = |part: Option<f64>| {
+        part.zip(cost).map_or(String::new(), |(part, cost)| {
+            format!("{} % of the SAH cost.", numbers::percent(part, cost.total()))
+        })
+    };
+    Figure::new(Term::SahCost, numbers::decimal(cost.map(|c| c.total()), 2)).show(ui, palette);
+    let (inner, leaf) = (cost.map(|c| c.inner), cost.map(|c| c.leaf));
+    Figure::new(Term::SahInner, numbers::decimal(inner, 2)).part().note(share(inner)).show(ui, palette);
+    Figure::new(Term::SahLeaf, numbers::decimal(leaf, 2)).part().note(share(leaf)).show(ui, palette);
+    if let Some(cost) = cost {
+        share_bar(ui, &[(cost.inner, palette.accent), (cost.leaf, palette.second)]);
+        widgets::legend(ui, palette, &[("inner nodes", palette.accent), ("leaves", palette.second)]);
+    }
+    Figure::new(Term::Overlap, numbers::decimal(world.figures.overlap, 2)).show(ui, palette);
+}
+
+/// Shares of a whole as one bar.
+pub fn share_bar(ui: &mut Ui, parts: &[(f64, Color32)]) {
+    let size = egui::vec2(ui.available_width(), 8.0);
+    let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
+    let total: f64 = parts.iter().map(|p| p.0).sum();
+    if total <= 0.0 {
+        return;
+    }
+    let mut left = rect.left();
+    for (part, color) in parts.iter().filter(|p| p.0 > 0.0) {
+        let right = left + rect.width() * (part / total) as f32;
+        let piece = egui::Rect::from_x_y_ranges(left..=right, rect.y_range());
+        ui.painter().rect_filled(piece, 0.0, *color);
+        left = right;
+    }
+}
+
+fn prediction(ui: &mut Ui, view: &AppView, world: &World) {
+    widgets::section(ui, "Ray cost");
+    let p = view.palette;
+    let predicted = world.figures.sah_cost.map(|c| c.total());
+    let hit = view.rays.and_then(cost_of_hits);
+    Figure::new(Term::Predicted, numbers::decimal(predicted, 2)).show(ui, p);
+    let ratio = hit.zip(predicted).map_or(String::new(), |(hit, predicted)| {
+        format!("{} % of what the SAH cost predicts.", numbers::percent(hit, predicted))
+    });
+    Figure::new(Term::MeasuredHit, numbers::decimal(hit, 2)).note(ratio).show(ui, p);
+    let all = view.rays.and_then(|r| r.ray_cost_mean);
+    Figure::new(Term::MeasuredAll, numbers::decimal(all, 2)).part().show(ui, p);
+    let missed = view.rays.map_or(numbers::DASH.to_owned(), |r| {
+        numbers::percent(r.missed_root_count as f64, r.ray_count as f64)
+    });
+    Figure::new(Term::MissedRoot, missed).unit("%").show(ui, p);
+    let means = [
+        (Term::NodesVisited, view.rays.and_then(|r| r.nodes_visited_mean)),
+        (Term::BoxTests, view.rays.and_then(|r| r.box_tests_mean)),
+        (Term::ShapeTests, view.rays.and_then(|r| r.shape_tests_mean)),
+        (Term::LeafVisits, view.rays.and_then(|r| r.leaf_visits_mean)),
+        (Term::Lcv, view.rays.and_then(|r| r.lcv)),
+    ];
+    for (term, mean) in means {
+        Figure::new(term, numbers::decimal(mean, 2)).show(ui, p);
+    }
+}
+
+/// The mean ray cost of the rays that hit the root's box; `None` if none does.
+fn cost_of_hits(rays: &RayFigures) -> Option<f64> {
+    let hits = rays.ray_count.checked_sub(rays.missed_root_count).filter(|n| *n > 0)?;
+    Some(rays.ray_cost_mean? * rays.ray_count as f64 / hits as f64)
+}
+
+fn per_depth(ui: &mut Ui, palette: &Palette, world: &World) {
+    widgets::term_section(ui, Term::PerDepth);
+    let levels = &world.figures.levels;
+    let inner: Vec<f64> = levels.iter().map(|l| l.sah_inner).collect();
+    let leaf: Vec<f64> = levels.iter().map(|l| l.sah_leaf).collect();
+    let highest = levels.iter().map(|l| l.sah_inner + l.sah_leaf).fold(0.0, f64::max);
+    let chart = Chart {
+        label: Term::PerDepth.label(),
+        height: 120.0,
+        x: Axis::integers(0.0, levels.len().max(1) as f64 - 1.0, 8),
+        y: Axis::from_zero(highest),
+        clickable: false,
+    };
+    let (first, second) = (palette.accent, palette.second);
+    let shown = chart.show(ui, palette, move |plot| {
+        chart::stacked_bars(plot, 0.0, [("inner", first, inner), ("leaf", second, leaf)]);
+    });
+    if let Some((depth, level)) = bar_under(shown.hover, 0).and_then(|i| Some((i, levels.get(i)?))) {
+        shown.response.on_hover_ui_at_pointer(|ui| {
+            ui.strong(format!("Depth {depth}"));
+            ui.label(format!("inner nodes {}", numbers::decimal(level.sah_inner, 3)));
+            ui.label(format!("leaves {}", numbers::decimal(level.sah_leaf, 3)));
+        });
+    }
+    widgets::legend(ui, palette, &[("inner nodes", palette.accent), ("leaves", palette.second)]);
+}
+
+/// The index of the bar at the mouse, where the first stands at `first`.
+fn bar_under(hover: Option<egui_plot::PlotPoint>, first: usize) -> Option<usize> {
+    let x = hover?.x.round();
+    (x >= first as f64).then(|| x as usize - first)
+}
+
+fn leaf_sizes(ui: &mut Ui, palette: &Palette, world: &World) {
+    widgets::term_section(ui, Term::LeafSizes);
+    let sizes = &world.figures.leaf_sizes;
+    let counts: Vec<f64> = sizes.iter().skip(1).map(|&n| n as f64).collect();
+    if counts.is_empty() {
+        widgets::caption(ui, palette, "This tree has no leaves.");
+        return;
+    }
+    let chart = Chart {
+        label: Term::LeafSizes.label(),
+        height: 100.0,
+        x: Axis::integers(1.0, counts.len() as f64, 8),
+        y: Axis::from_zero(counts.iter().copied().fold(0.0, f64::max)),
+        clickable: false,
+    };
+    let color = palette.second;
+    let shown = chart.show(ui, palette, move |plot| {
+        chart::stacked_bars(plot, 1.0, [("leaves", color, counts)]);
+    });
+    if let Some((i, n)) = bar_under(shown.hover, 1).and_then(|i| Some((i, sizes.get(i + 1)?))) {
+        let text = format!(
+            "{} of {} leaves hold {}",
+            numbers::count(*n as u64),
+            numbers::count(world.figures.leaf_count as u64),
+            if i == 0 { "1 shape".to_owned() } else { format!("{} shapes", i + 1) }
+        );
+        shown.response.on_hover_text_at_pointer(text);
+    }
+}
+
+/// One curve. The number of bins that was clicked.
+fn bin_chart(ui: &mut Ui, view: &AppView, kind: Curve) -> Option<usize> {
+    let palette = view.palette;
+    let curve = view.bin_curve;
+    let at = |p: &BinPoint| Some([(p.bins? as f64).log2(), kind.of(p)?]);
+    let all: Vec<[f64; 2]> = curve.points.iter().filter_map(at).collect();
+    let of = |sure: bool| {
+        curve.points.iter().filter(move |p| kind.is_sure(p) == sure).filter_map(at).collect::<Vec<_>>()
+    };
+    let (sure, unsure) = (of(true), of(false));
+    let sweep = curve.sweep.as_ref().and_then(|p| kind.of(p));
+    let current = view.session.build();
+    let current = current.builder.uses_bins().then(|| (current.bins as f64).log2());
+    let color = kind.color(palette);
+    ui.horizontal(|ui| {
+        widgets::swatch(ui, color);
+        ui.label(egui::RichText::new(kind.term().label()).small());
+        ui.label(egui::RichText::new(kind.unit()).small().color(palette.muted));
+    });
+    let chart = Chart {
+        label: match kind {
+            Curve::SahCost => "SAH cost over bins",
+            Curve::NodesVisited => "Nodes visited over bins",
+            Curve::BuildTime => "Build time over bins",
+        },
+        height: 104.0,
+        x: Axis::powers_of_two(1, 8),
+        y: Axis::around(all.iter().map(|p| p[1]).chain(sweep)),
+        clickable: true,
+    };
+    let (mark, line) = (palette.accent, palette.muted);
+    let shown = chart.show(ui, palette, move |plot| {
+        if let Some(y) = sweep {
+            let dashes = egui_plot::LineStyle::dashed_dense();
+            plot.hline(HLine::new("full sweep", y).color(line).width(1.0).style(dashes).allow_hover(false));
+        }
+        if let Some(x) = current {
+            plot.vline(VLine::new("now", x).color(mark).width(1.5).allow_hover(false));
+        }
+        let faint = color.gamma_multiply(0.6);
+        plot.line(Line::new("curve", PlotPoints::from(all)).color(faint).width(1.5).allow_hover(false));
+        plot.points(Points::new("sure", PlotPoints::from(sure)).color(color).radius(2.5).allow_hover(false));
+        let hollow = Points::new("unsure", PlotPoints::from(unsure)).color(color).radius(2.5);
+        plot.points(hollow.filled(false).allow_hover(false));
+    });
+    let bins = shown.hover?.x.exp2().round();
+    let bins = (bins as usize).clamp(*BuildConfig::BINS.start(), *BuildConfig::BINS.end());
+    let clicked = shown.response.clicked();
+    shown.response.on_hover_ui_at_pointer(|ui| bin_tooltip(ui, curve, bins));
+    clicked.then_some(bins)
+}
+
+fn bin_tooltip(ui: &mut Ui, curve: &BinCurve, bins: usize) {
+    ui.strong(format!("{bins} bins"));
+    let nearest = curve
+        .points
+        .iter()
+        .filter_map(|p| Some((p.bins?, p)))
+        .min_by(|a, b| octaves(a.0, bins).total_cmp(&octaves(b.0, bins)));
+    if let Some((measured, point)) = nearest.filter(|(n, _)| octaves(*n, bins) < 0.15) {
+        if measured != bins {
+            ui.label(format!("nearest measured: {measured} bins"));
+        }
+        ui.label(format!("SAH cost {}", numbers::decimal(point.sah_cost, 3)));
+        ui.label(format!("nodes visited {}", numbers::decimal(point.nodes_visited_mean, 3)));
+        let alone = if point.timed_alone { "" } else { ", while something else ran" };
+        ui.label(format!("build {} ms{alone}", numbers::decimal(point.build_ms, 2)));
+    }
+    ui.label("Click to build with it.");
+}
+
+/// How far apart two numbers of bins are, in doublings.
+fn octaves(a: usize, b: usize) -> f64 {
+    (a as f64 / b.max(1) as f64).log2().abs()
+}
+
+fn curve_notes(ui: &mut Ui, view: &AppView, curve: &BinCurve) {
+    let palette = view.palette;
+    if let Some(sweep) = &curve.sweep {
+        ui.horizontal_wrapped(|ui| {
+            let text = format!(
+                "– –  {}: SAH cost {}, nodes visited {}, {} ms",
+                Term::FullSweep.label(),
+                numbers::decimal(sweep.sah_cost, 2),
+                numbers::decimal(sweep.nodes_visited_mean, 2),
+                numbers::decimal(sweep.build_ms, 1)
+            );
+            widgets::caption(ui, palette, text).on_hover_text(Term::FullSweep.text());
+        });
+    }
+    if curve.points.iter().any(|p| !p.timed_alone) {
+        widgets::caption(ui, palette, "Hollow points: the time was taken while something else ran.");
+    }
+    if curve.pending > 0 {
+        let text = format!("{} numbers of bins still to come, when the program is idle.", curve.pending);
+        widgets::caption(ui, palette, text);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_that_miss_the_root_do_not_dilute_the_cost_of_those_that_hit_it() {
+        let rays = RayFigures {
+            ray_count: 100,
+            missed_root_count: 75,
+            ray_cost_mean: Some(5.0),
+            ..RayFigures::default()
+        };
+        assert_eq!(cost_of_hits(&rays), Some(20.0));
+        assert_eq!(cost_of_hits(&RayFigures { missed_root_count: 100, ..rays }), None);
+        assert_eq!(cost_of_hits(&RayFigures { ray_cost_mean: None, ..rays }), None);
+    }
+
+    #[test]
+    fn numbers_of_bins_are_compared_by_doublings() {
+        assert_eq!(octaves(32, 16), 1.0);
+        assert!(octaves(250, 256) < 0.15 && octaves(2, 3) > 0.15);
+    }
+}

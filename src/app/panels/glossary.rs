@@ -1,0 +1,177 @@
+//! What every term of the window means, in one sentence each. The one source of all tooltips of terms.
+
+/// Makes the closed set of terms: a variant, the label that the window shows, and the sentence that explains it.
+macro_rules! glossary {
+    ($($term:ident $label:literal $text:literal)*) => {
+        /// A term that the window uses.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum Term {
+            $($term,)*
+        }
+
+        impl Term {
+            #[cfg(test)]
+            pub const ALL: &[Self] = &[$(Self::$term,)*];
+
+            /// What the window calls it.
+            pub fn label(self) -> &'static str {
+                match self {
+                    $(Self::$term => $label,)*
+                }
+            }
+
+            /// One sentence that explains it.
+            pub fn text(self) -> &'static str {
+                match self {
+                    $(Self::$term => $text,)*
+                }
+            }
+        }
+    };
+}
+
+glossary! {
+    // Scene
+    Shapes "Shapes" "Entries of the scene that trees are built over: triangles, spheres, cuboids, quads and tori."
+    Triangles "Triangles" "Shapes that are triangles, degenerate ones included."
+    Spheres "Spheres" "Shapes that are spheres."
+    Cuboids "Cuboids" "Shapes that are oriented boxes."
+    Quads "Quads" "Shapes that are flat rectangles or parallelograms."
+    Tori "Tori" "Shapes that are rings."
+    Planes "Planes" "Unbounded surfaces, which stay outside every tree and are tested for each ray."
+    Bounds "Size" "The side lengths of the box around all shapes, in units of the scene."
+    Materials "Materials" "Descriptions of how a surface answers light: diffuse, mirror, glass or emissive."
+    Lights "Lights" "Light sources: emissive shapes, point lights and panels."
+    Warnings "Repaired" "What had to be mended to load the file, each kind counted."
+    OpenPath "File or name" "A model (OBJ, PLY, STL, glTF), a session, a PNG that carries one, or the name of a built-in scene."
+    SoupSize "Triangles in the soup" "How many random triangles the scene soup is made of."
+    UpAxis "Up axis" "The axis of the scene that points up: many OBJ and STL files have Z up."
+    Ground "Ground" "A plane that the program puts under the scene, outside every tree and figure."
+    Animate "Animate" "Moves the scene on through time, and builds its tree anew for each moment."
+    Time "Time" "The moment that is shown: the motion is a pure function of it, and 0 is the still scene."
+    Recent "Recent files" "The files opened last, the newest first."
+
+    // Build
+    Builder "Builder" "How splits are found."
+    Width "Width" "How many children a node has at most."
+    Widen "Wide nodes" "How nodes of width 4 and 8 are made: directly by several splits at once, or from the finished binary tree."
+    Stop "Stop rule" "When a node becomes a leaf."
+    Bins "Bins" "The binned builder sorts shapes' centroids into this many bins an axis, and looks for splits only between bins."
+    Leaf "Leaf limit" "The most shapes that a leaf may hold."
+    TraversalCost "Traversal cost" "C_t of the SAH cost: the price of visiting an inner node."
+    IntersectionCost "Intersection cost" "C_i of the SAH cost: the price of testing a shape."
+    BuildTime "Build time" "Wall time of the build, the sum of its phases."
+    BuildPhase "Phase" "A stage of the build, with its wall time."
+    Nodes "Nodes" "Inner nodes and leaves together."
+    Leaves "Leaves" "Nodes that hold shapes."
+    References "References" "Entries of all leaves together, which are more than the shapes only if a tree names shapes twice."
+    DepthMax "Depth, deepest" "The depth of the deepest leaf, where the root is at depth 0."
+    DepthMean "Depth, mean" "The mean depth over the leaves, where the root is at depth 0."
+    SahCost "SAH cost" "What the surface areas of the boxes predict that a ray costs: (C_t x sum of inner areas + C_i x sum of leaf areas x shapes) / area of the root."
+    Bytes "Memory" "Tree and shapes ready to trace."
+    NodesVisited "Nodes visited" "Inner nodes whose children's boxes were tested and leaves whose shapes were tested, a mean per camera ray."
+    History "Builds so far" "The last 50 builds of this run, of which a click brings back the settings."
+
+    // Boxes
+    ShowBoxes "Show boxes" "Draws the boxes of the tree over the picture."
+    BoxStyle "Style" "How a box is drawn: its edges, its sides, or as one of many that add up."
+    BoxColor "Colour" "What the colour of a box tells."
+    LeavesOnly "Leaves only" "Draws the boxes of leaves and leaves out inner nodes."
+    Hidden "Hidden lines" "Draws what lies behind surfaces, too."
+    Budget "Budget" "The most boxes that are drawn at once: the largest on screen go first."
+    DepthRange "Depths" "The depths whose boxes are drawn, where the root is at depth 0."
+    Selected "Selected" "Boxes within the depth range."
+    Drawn "Drawn" "Boxes that are in the picture now."
+    Outside "Out of sight" "Selected boxes outside the picture, which are not drawn."
+    TooSmall "Below a pixel" "Selected boxes smaller than a pixel, which are not drawn."
+    OverBudget "Over the budget" "Selected boxes beyond the budget, which are not drawn."
+
+    // Heatmap
+    Counter "Counter" "What is counted or measured for each pixel."
+    Count "Rays" "Which rays count: a pixel's value is the sum over the counted rays of one sample."
+    ColorMap "Colour map" "The colours from the lowest to the highest value of the range."
+    Range "Range" "The values at the two ends of the colour map: automatic is from 0 to the 99.5th percentile."
+    RangeLow "From" "The value shown in the first colour of the map."
+    RangeHigh "To" "The value shown in the last colour of the map."
+    Threshold "Threshold" "Values of at least this are shown in one flat colour, and the rest dimmed."
+    UnderMouse "Under the mouse" "The number of the pixel that the mouse points at."
+    Pixel "Pixel" "Column and row of the picture, from the top left."
+    HoverShape "Shape" "The index of the shape that the pixel's camera ray hits first."
+    HoverDistance "Distance" "From the camera to the first surface, in units of the scene."
+    Mean "Mean" "The mean over all pixels that have a number."
+    Median "Median" "Half of the pixels have at most this number."
+    P95 "95th percentile" "95 of 100 pixels have at most this number."
+    P99 "99th percentile" "99 of 100 pixels have at most this number."
+    Maximum "Maximum" "The highest number of any pixel."
+
+    // Cost
+    SahInner "of inner nodes" "The traversal cost times the surface areas of all inner nodes, divided by the root's."
+    SahLeaf "of leaves" "The intersection cost times the surface area and number of shapes of every leaf, divided by the root's area."
+    PerDepth "SAH cost per depth" "How much of the SAH cost lies at each depth."
+    LeafSizes "Leaf sizes" "How many leaves hold how many shapes."
+    Predicted "Predicted" "The SAH cost: the mean ray cost of lines spread evenly over all that hit the root's box."
+    MeasuredHit "Measured" "The mean ray cost of those camera rays that hit the root's box, traversal cost times inner visits plus intersection cost times shape tests."
+    MeasuredAll "over all rays" "The mean ray cost of all camera rays, of which those that miss the root's box cost nothing."
+    MissedRoot "Rays that miss the root" "The share of camera rays that miss the box of the root, and so visit nothing."
+    Overlap "Overlap" "Summed over inner nodes: the area that children's boxes share in pairs, divided by the area of the node's box."
+    Lcv "LCV" "Leaf count variability: the standard deviation of the number of leaves that a ray visits."
+    BoxTests "Box tests" "Boxes of children tested, a mean per camera ray."
+    ShapeTests "Shape tests" "Shapes tested, a mean per camera ray."
+    LeafVisits "Leaf visits" "Leaves whose shapes were tested, a mean per camera ray."
+    BinCurve "What the bins do" "SAH cost, nodes visited and build time of the binned tree over the number of bins, counted on a fixed part of the rays."
+    FullSweep "Full sweep" "The same tree built by trying every position on all three axes, which the bins approximate."
+
+    // Shadows
+    ShadowRule "Light passes" "Which materials let shadow rays of the Whitted pictures go straight on."
+    CompareWith "Compare" "Shows two of the pictures at once, next to each other or as a wipe."
+    CompareLeft "Left" "The picture on the left."
+    CompareRight "Right" "The picture on the right."
+    PixelClasses "Pixels" "What each pixel shows when the answers of intersect and occluded are held against each other."
+    ShadowNodes "Nodes per shadow ray" "Nodes visited by the same shadow ray in the same child order, asked in three ways."
+    AskIntersect "intersect" "Looks for the nearest hit, and goes on behind it where its material lets light pass."
+    AskOccluded "occluded" "Stops at any hit, and so cannot know what it hit: glass throws a black shadow."
+    AskFiltered "occluded + filter" "Stops at any hit that blocks light, which a mask a shape says."
+    Saved "Saved by the early out" "How many fewer nodes the filtered occluded visits than intersect, and both give the same answer."
+
+    // Table
+    FiveTrees "Five trees" "Median, full sweep and binned builds at widths 2 and 4, on this scene and view, with all rays of a Whitted frame counted."
+
+    // Export
+    PictureSize "Size" "The picture is rendered at this size, not scaled to it."
+    PictureWidth "Picture width" "In pixels."
+    PictureHeight "Picture height" "In pixels."
+    Samples "Samples" "Samples a pixel of the picture that is written."
+    WithOverlay "With boxes" "Draws the boxes over the picture as in the viewport."
+    WithLegend "With legend" "Adds the colour bar with its numbers and the settings below the picture."
+    PictureFile "Picture" "The viewport as a PNG that carries its session: dropped on the window, it opens what it shows."
+    WindowFile "Whole window" "The window as it is, at its own size, as a PNG."
+    RawFile "Raw numbers" "The unmapped numbers or linear colours of the viewport, as EXR or CSV by the file's ending."
+    FiguresFile "Figures" "All figures of the current tree with the settings that gave them, as JSON or CSV by the file's ending."
+    SessionFile "Session" "Everything that is shown, as a text file that the program opens again."
+    CommandLine "Command" "The command line that makes the same picture without a window."
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Term;
+
+    #[test]
+    fn every_term_is_explained_in_one_sentence() {
+        for term in Term::ALL {
+            let text = term.text();
+            assert!(text.ends_with('.') && !text.trim_end_matches('.').contains(". "), "{term:?}: {text}");
+            assert!(text.starts_with(|c: char| c.is_uppercase() || c.is_ascii_digit()), "{term:?}: {text}");
+            assert!(text.len() <= 190, "{term:?} is too long for a tooltip");
+        }
+    }
+
+    #[test]
+    fn no_term_repeats_its_label_as_its_explanation() {
+        for term in Term::ALL {
+            assert!(
+                !term.label().is_empty() && term.text().trim_end_matches('.') != term.label(),
+                "{term:?}"
+            );
+        }
+    }
+}
