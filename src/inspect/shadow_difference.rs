@@ -1,10 +1,15 @@
 //! Pixel classes and saved nodes of the shadow views, counted.
 
+use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::render::ViewClass;
 use crate::render::film::{Film, FilmContent};
-use crate::render::shadow::ShadowClass;
+use crate::render::pass::Pass;
+use crate::render::shadow::{FirstHit, ShadowAnswers, ShadowClass, first_hit};
+use crate::render::{RenderSettings, ViewClass};
+use crate::scene::{Camera, ShadowRule};
+use crate::task::{Cancelled, Task};
+use crate::world::World;
 
 /// Pixels a class, in order of [`ShadowClass::ALL`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -26,6 +31,60 @@ impl ClassCounts {
 
     pub fn get(&self, class: ShadowClass) -> u64 {
         self.0[class as usize]
+    }
+}
+
+/// Mean nodes visited per asked shadow ray by `intersect`, by `occluded`, and by `occluded` with filter, of the shadow
+/// rays of a picture's first sample; `None` if no pixel asks. With `stride > 1` only every `stride`-th pixel in x and y.
+///
+/// # Errors
+/// [`Cancelled`] when the task was.
+pub fn shadow_nodes_mean(
+    world: &World,
+    camera: &Camera,
+    settings: &RenderSettings,
+    rule: ShadowRule,
+    stride: u32,
+    task: &Task,
+) -> Result<Option<[f64; 3]>, Cancelled> {
+    let pass = Pass::new(world, camera, [settings.width, settings.height], settings, rule, 0);
+    let stride = stride.max(1) as usize;
+    let sums = (0..settings.height)
+        .into_par_iter()
+        .step_by(stride)
+        .map(|y| {
+            let mut sums = Sums::default();
+            for x in (0..settings.width).step_by(stride) {
+                task.check()?;
+                if let FirstHit::Asked { shadow_ray, .. } = first_hit(&pass, x, y) {
+                    sums.add(&ShadowAnswers::of(world, &shadow_ray, rule));
+                }
+            }
+            Ok(sums)
+        })
+        .try_reduce(Sums::default, |a, b| Ok(a.merged(&b)))?;
+    Ok((sums.rays > 0).then(|| sums.nodes.map(|nodes| nodes as f64 / sums.rays as f64)))
+}
+
+/// Integers, so that the order of adding does not matter.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    rays: u64,
+    nodes: [u64; 3],
+}
+
+impl Sums {
+    fn add(&mut self, answers: &ShadowAnswers) {
+        self.rays += 1;
+        let all = [&answers.intersect, &answers.occluded, &answers.filtered];
+        for (sum, answer) in self.nodes.iter_mut().zip(all) {
+            *sum += answer.counters.nodes_visited();
+        }
+    }
+
+    fn merged(self, other: &Self) -> Self {
+        let nodes = std::array::from_fn(|i| self.nodes[i] + other.nodes[i]);
+        Self { rays: self.rays + other.rays, nodes }
     }
 }
 

@@ -112,7 +112,7 @@ impl Measurement<'_> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::accel::quality::SahCost;
 
