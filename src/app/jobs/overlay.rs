@@ -151,6 +151,8 @@ mod tests {
             outside,
             too_small,
             over_budget,
+            color_range: None,
+            density_max: None,
         }
     }
 
