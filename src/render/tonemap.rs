@@ -112,8 +112,8 @@ impl EncodeTable {
 
     #[inline]
     fn encode(&self, linear: f32) -> u8 {
-        // `max` first: it turns NaN into 0.
-        let x = linear.max(0.0).min(1.0);
+        // NaN stays NaN, and the cast makes it 0.
+        let x = linear.clamp(0.0, 1.0);
         let code = self.first_code[(x * ENCODE_CELLS as f32) as usize];
         if x >= self.upper[code as usize] { code + 1 } else { code }
     }

@@ -210,7 +210,7 @@ impl<'a> Band<'a> {
         let (a, b) = if a.x <= b.x { (a, b) } else { (b, a) };
         let along = b - a;
         // Seen head-on it is a point, which the edges that it joins draw.
-        if !(along.x > 1e-3) {
+        if along.x.is_nan() || along.x <= 1e-3 {
             return;
         }
         let (slope, inv_depth_slope) = (along.y / along.x, along.z / along.x);

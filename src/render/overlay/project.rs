@@ -63,7 +63,7 @@ impl Projector {
 
     /// Pixels from the top left, and 1 / z, which is linear on the screen.
     #[inline]
-    pub fn to_screen(&self, p: Vec3) -> Vec3 {
+    pub fn screen(&self, p: Vec3) -> Vec3 {
         let f = &self.frame;
         let w = 1.0 / p.z;
         let x = (p.x * w / f.half_size.x + 1.0) * 0.5 * f.size.x;
@@ -85,7 +85,7 @@ impl Projector {
         let crosses_near = planes.iter().any(|p| p[0] < 0.0);
         let (mut min, mut max) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
         let mut grow = |p: Vec3| {
-            let p = self.to_screen(p).truncate();
+            let p = self.screen(p).truncate();
             (min, max) = (min.min(p), max.max(p));
         };
         if crosses_near {
@@ -127,7 +127,7 @@ impl Projector {
         [p.z - self.near, p.x + x, x - p.x, p.y + y, y - p.y]
     }
 
-    /// The edges of a box as lines on the screen (see [`Projector::to_screen`]), each once, clipped to what is seen.
+    /// The edges of a box as lines on the screen (see [`Projector::screen`]), each once, clipped to what is seen.
     pub fn edges(&self, bounds: &Aabb, clipped: bool, mut draw: impl FnMut(Vec3, Vec3)) {
         let corners = self.corners(bounds);
         let extent = bounds.extent();
@@ -143,7 +143,7 @@ impl Projector {
                 let seen =
                     if clipped { self.clip(corners[a], corners[b]) } else { Some((corners[a], corners[b])) };
                 if let Some((a, b)) = seen {
-                    draw(self.to_screen(a), self.to_screen(b));
+                    draw(self.screen(a), self.screen(b));
                 }
             }
         }
@@ -198,7 +198,7 @@ pub(super) mod tests {
         let p = projector();
         let bounds = Aabb::new(Vec3::new(-1.0, 2.0, -9.0), Vec3::new(3.0, 4.0, -5.0));
         for (seen, corner) in p.corners(&bounds).into_iter().zip(bounds.corners()) {
-            let (ours, theirs) = (p.to_screen(seen), p.frame.project(corner));
+            let (ours, theirs) = (p.screen(seen), p.frame.project(corner));
             assert!((ours.truncate() - theirs.truncate()).length() < 1e-3);
             assert!((1.0 / ours.z - theirs.z).abs() < 1e-4);
         }
