@@ -1,25 +1,38 @@
 //! The only place where a scene meets its trees: rays are asked here.
+//!
+//! Planes and the ground are outside the tree. Every query tests them before it walks the tree; they are no part of any
+//! count. Hits at the same t go to the lowest shape index, so no answer of `intersect` depends on the tree.
 
+mod block;
+mod blockers;
 pub mod store;
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use crate::accel::quality::TreeFigures;
-use crate::accel::{BuildConfig, BuildReport, Probe, Tree};
-use crate::geometry::{Hit, Ray};
+use crate::accel::{
+    BuildConfig, BuildPhase, BuildReport, LeafIntersector, Probe, Tree, build, traverse, validate,
+};
+use crate::geometry::{Hit, PreparedRay, Ray};
 use crate::scene::{Scene, ShadowRule};
 use crate::task::{Cancelled, Task};
 
 pub use store::PrimStore;
+
+use blockers::Blockers;
+use store::{Beyond, keep};
 
 /// A frozen scene with one tree over its bounded shapes. Immutable; share it behind an `Arc`.
 #[derive(Debug)]
 pub struct World {
     pub scene: Arc<Scene>,
     pub tree: Tree,
+    /// Its phases begin with `boxes` (of the shapes) and end with `pack` (their geometry, in leaf order).
     pub report: BuildReport,
     pub figures: TreeFigures,
     store: PrimStore,
+    blockers: Blockers,
 }
 
 impl World {
@@ -27,41 +40,109 @@ impl World {
     ///
     /// # Errors
     /// [`Cancelled`] when the task was.
+    ///
+    /// # Panics
+    /// If a shape's box is not finite (loaders remove such shapes), or `config` is out of range.
     pub fn build(scene: Arc<Scene>, config: &BuildConfig, task: &Task) -> Result<Self, Cancelled> {
-        let _ = (scene, config, task);
-        todo!()
+        task.check()?;
+        let start = Instant::now();
+        let boxes = scene.shape_bounds();
+        let boxes_phase = BuildPhase { name: "boxes", ms: elapsed_ms(start) };
+        if let Some(shape) = boxes.iter().position(|b| b.is_empty() || !b.is_finite()) {
+            panic!("shape {shape} of '{}' has no finite box: {:?}", scene.name, boxes[shape]);
+        }
+        task.check()?;
+        let (tree, mut report) = build(&boxes, config, task)?;
+        if cfg!(debug_assertions) {
+            let violations = validate::validate(&tree, &boxes);
+            assert!(violations.is_empty(), "a tree with {config:?} is not valid: {violations:?}");
+        }
+        let start = Instant::now();
+        let store = PrimStore::new(&scene, &tree, task)?;
+        let pack_phase = BuildPhase { name: "pack", ms: elapsed_ms(start) };
+        report.build_ms += boxes_phase.ms + pack_phase.ms;
+        report.phases.insert(0, boxes_phase);
+        report.phases.push(pack_phase);
+        let figures = TreeFigures::measure(&tree, config.traversal_cost, config.intersection_cost);
+        let blockers = Blockers::new(&scene);
+        Ok(Self { scene, tree, report, figures, store, blockers })
     }
 
     /// Tree and primitive store together, ready to trace, in bytes.
     pub fn bytes(&self) -> usize {
-        todo!()
+        self.tree.bytes() + self.store.bytes()
+    }
+
+    /// The leaves' geometry, for walks of the tree beyond the queries below.
+    pub fn store(&self) -> &PrimStore {
+        &self.store
     }
 
     /// The nearest hit in `t_min..=t_max`, planes and ground included.
     #[inline]
     pub fn intersect<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        let _ = (ray, probe);
-        todo!()
+        let ray = PreparedRay::new(*ray);
+        self.nearest(&ray, &self.store, |_| ray.ray.t_min, probe)
     }
 
     /// Whether anything at all lies in `t_min..=t_max`: the shape that was found first.
     #[inline]
     pub fn occluded<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<u32> {
-        let _ = (ray, probe);
-        todo!()
+        self.any(ray, |_| true, probe)
     }
 
-    /// Whether a shape lies in `t_min..=t_max` that blocks light under `rule`: the one that was found first.
+    /// Whether a shape lies in `t_min..=t_max` that blocks light under `rule`: the one that was found first. Spheres and
+    /// other single shapes that let light pass are not even tested, and not counted.
     #[inline]
     pub fn occluded_filtered<P: Probe>(&self, ray: &Ray, rule: ShadowRule, probe: &mut P) -> Option<u32> {
-        let _ = (ray, rule, probe);
-        todo!()
+        self.any(ray, self.blockers.under(rule), probe)
     }
 
     /// The same question answered by nearest hits: while the nearest hit's material lets light pass, goes on along the
     /// same ray by t, past that shape. The blocking shape, if there is one.
+    ///
+    /// The hits come in order of t and then of the shape index, each strictly after the one before: of shapes at the
+    /// same t none is lost and none comes twice, and the search ends after as many steps as there are surfaces.
     pub fn occluded_by_intersect<P: Probe>(&self, ray: &Ray, rule: ShadowRule, probe: &mut P) -> Option<u32> {
-        let _ = (ray, rule, probe);
-        todo!()
+        let blocks = self.blockers.under(rule);
+        let mut hit = self.intersect(ray, probe)?;
+        while !blocks(hit.shape) {
+            let beyond = Beyond { store: &self.store, t: hit.t, shape: hit.shape };
+            let rest = PreparedRay::new(Ray { t_min: hit.t, ..*ray });
+            hit = self.nearest(&rest, &beyond, |shape| beyond.t_min(shape), probe)?;
+        }
+        Some(hit.shape)
     }
+
+    #[inline]
+    fn nearest<P: Probe>(
+        &self,
+        ray: &PreparedRay,
+        leaves: &impl LeafIntersector,
+        t_min: impl Fn(u32) -> f32,
+        probe: &mut P,
+    ) -> Option<Hit> {
+        let mut hit = Hit::none(ray.ray.t_max);
+        for (index, plane, _) in self.scene.unbounded() {
+            let answer = plane.intersect_within(ray, t_min(index), hit.t);
+            keep(&mut hit, index, answer);
+        }
+        traverse::intersect(&self.tree, leaves, ray, &mut hit, probe);
+        hit.is_some().then_some(hit)
+    }
+
+    #[inline]
+    fn any<P: Probe>(&self, ray: &Ray, blocks: impl Fn(u32) -> bool, probe: &mut P) -> Option<u32> {
+        let ray = PreparedRay::new(*ray);
+        let in_the_way = self
+            .scene
+            .unbounded()
+            .find(|(index, plane, _)| blocks(*index) && plane.intersect(&ray).is_some())
+            .map(|(index, ..)| index);
+        in_the_way.or_else(|| traverse::occluded(&self.tree, &self.store, &ray, &blocks, probe))
+    }
+}
+
+fn elapsed_ms(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
 }
