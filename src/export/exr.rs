@@ -13,7 +13,8 @@ use crate::render::Film;
 use crate::render::film::FilmContent;
 
 /// Writes films of one size as the layers of one file. A layer is called by its view; colours have channels R, G, B,
-/// numbers one channel Y (NaN where there is none); means over the samples. `session` is carried as an attribute.
+/// numbers one channel Y (NaN where there is none); means over the samples. `session` is carried by each
+/// layer as an attribute.
 ///
 /// # Errors
 /// [`ExportError`], also for no film at all or films of different sizes.
@@ -28,17 +29,15 @@ fn encode(films: &[&Film], session: Option<&str>) -> Result<Vec<u8>, ExportError
         return Err(fail("the layers have different sizes"));
     }
     let size = (first.width as usize, first.height as usize);
-    let mut attributes = ImageAttributes::new(IntegerBounds::from_dimensions(size));
-    if let Some(text) = session {
-        // The format's strings are bytes; like most programs we write UTF-8.
-        let text = AttributeValue::Text(Text::from_slice_unchecked(text.as_bytes()));
-        attributes.other.insert(Text::from(SESSION_KEYWORD), text);
-    }
+    let attributes = ImageAttributes::new(IntegerBounds::from_dimensions(size));
+    // The format's strings are bytes; like most programs we write UTF-8.
+    let session = session.map(|text| AttributeValue::Text(Text::from_slice_unchecked(text.as_bytes())));
     let layers: SmallVec<[_; 2]> = films
         .iter()
         .map(|film| {
             let mut about = LayerAttributes::named(film.subject.view.name());
             about.software_name = Some(Text::from("bvhscope"));
+            about.other.extend(session.clone().map(|text| (Text::from(SESSION_KEYWORD), text)));
             about.comments = Some(Text::from(comment(film).as_str()));
             Layer::new(size, about, Encoding::SMALL_LOSSLESS, channels(film))
         })
@@ -120,7 +119,7 @@ mod tests {
         let names: Vec<_> = light.iter().map(|channel| channel.name.to_string()).collect();
         assert_eq!(names, ["B", "G", "R"]);
         assert_eq!(light[2].sample_data.values_as_f32().collect::<Vec<_>>(), [0.0, 0.5, 1.0, 1.5, 2.0, 2.5]);
-        let session = image.attributes.other.get(&Text::from(SESSION_KEYWORD));
+        let session = image.layer_data[0].attributes.other.get(&Text::from(SESSION_KEYWORD));
         assert!(
             matches!(session, Some(AttributeValue::Text(text)) if text.as_slice() == "(version: 1) ä".as_bytes())
         );

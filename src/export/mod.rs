@@ -6,7 +6,9 @@ pub mod exr;
 pub mod legend;
 pub mod png;
 pub mod raw_csv;
+pub mod ray_file;
 pub mod session_file;
+pub mod table;
 pub mod text;
 
 use std::path::PathBuf;

@@ -135,6 +135,11 @@ fn scene_word(scene: &SceneRef) -> String {
 }
 
 fn quoted(word: &str) -> String {
+    // Safe in every POSIX shell, and easier to read bare; commas are not to shlex.
+    let is_safe = |c: char| c.is_ascii_alphanumeric() || "_-./,:=+@%".contains(c);
+    if !word.is_empty() && word.chars().all(is_safe) {
+        return word.to_owned();
+    }
     let word = word.replace('\0', "");
     shlex::try_quote(&word).expect("a word without NUL can be quoted").into_owned()
 }

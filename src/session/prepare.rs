@@ -3,13 +3,8 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
-
 use super::{Session, SessionScene};
-use crate::geometry::Plane;
-use crate::scene::{
-    Camera, Color, LoadError, Loaded, Material, MaterialKind, Scene, SceneRef, UpAxis, load::load,
-};
+use crate::scene::{Camera, LoadError, Loaded, Scene, SceneRef, load::load};
 use crate::task::Task;
 
 /// A scene that was opened.
@@ -44,53 +39,18 @@ pub fn open(session: &mut Session, task: &Task) -> Result<Prepared, LoadError> {
     Ok(Prepared { still, scene, camera, warnings })
 }
 
-/// The scene of the session's moment, with a ground if the session has one. `still` is the scene of t = 0 as loaded.
+/// The scene of the session's moment, with a ground if the session has one. `still` is the scene of t = 0 as loaded. The
+/// ground stays where the still scene stands, whatever moves.
 pub fn stage(still: &Arc<Scene>, session: &Session) -> Arc<Scene> {
     let moves = session.time != still.time && still.is_animated();
-    if !moves && !session.ground {
-        return Arc::clone(still);
-    }
-    let mut scene = if moves { still.at(session.time) } else { Scene::clone(still) };
-    if session.ground {
-        lay_ground(&mut scene, still, session.up);
-    }
-    Arc::new(scene)
+    let staged =
+        if session.ground { Arc::new(still.with_ground(true, session.up)) } else { Arc::clone(still) };
+    if moves { Arc::new(staged.at(session.time)) } else { staged }
 }
 
 /// The session's camera, or the scene's own, with the session's up axis.
 pub fn camera(scene: &Scene, session: &Session) -> Camera {
     Camera { up: session.up, ..session.camera.unwrap_or(scene.camera) }
-}
-
-/// A checkered ground just below the still scene, so that a floor of its own hides it.
-fn lay_ground(scene: &mut Scene, still: &Scene, up: UpAxis) {
-    let bounds = still.bounds();
-    let size = bounds.extent().length();
-    let lowest = if bounds.is_empty() { 0.0 } else { bounds.min.dot(up.vector()) };
-    let plane = Plane { normal: up.vector(), offset: lowest - size * 1e-4 };
-    let material = Material {
-        name: "ground".to_owned(),
-        color: Color::Checker {
-            even: Vec3::splat(0.5),
-            odd: Vec3::splat(0.42),
-            size: round_size(size / 12.0),
-            fine: Vec::new(),
-        },
-        kind: MaterialKind::Diffuse { reflectivity: 0.0 },
-    };
-    let materials = Arc::make_mut(&mut scene.materials);
-    materials.push(material);
-    scene.ground = Some((plane, materials.len() as u32 - 1));
-}
-
-/// The largest 1, 2 or 5 times a power of ten up to `size`; 1 for nothing.
-fn round_size(size: f32) -> f32 {
-    if !(size > 0.0 && size.is_finite()) {
-        return 1.0;
-    }
-    let power = 10f32.powf(size.log10().floor());
-    let steps = [5.0, 2.0, 1.0];
-    steps.iter().map(|step| step * power).find(|rounded| *rounded <= size).unwrap_or(power)
 }
 
 /// What to say when the scene that was found is not the one that the session was saved with.
@@ -117,48 +77,36 @@ fn change_warning(saved: &SessionScene, found: &SessionScene) -> Option<String> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{ShapeKind, Sphere};
-    use crate::scene::ShapeSlot;
-
-    fn ball() -> Arc<Scene> {
-        Arc::new(Scene {
-            shapes: vec![ShapeSlot { kind: ShapeKind::Sphere, index: 0 }],
-            shape_materials: vec![0],
-            spheres: vec![Sphere { center: Vec3::new(0.0, 3.0, 5.0), radius: 1.0 }],
-            materials: Arc::new(vec![Material {
-                name: "matt".to_owned(),
-                color: Color::Solid(Vec3::ONE),
-                kind: MaterialKind::Diffuse { reflectivity: 0.0 },
-            }]),
-            ..Scene::default()
-        })
-    }
+    use crate::scene::{UpAxis, builtin};
 
     #[test]
     fn a_still_scene_without_ground_is_shared() {
-        let still = ball();
+        let still = Arc::new(builtin::make("soup:20").expect("a scene"));
         let staged = stage(&still, &Session { time: 3.0, ..Session::default() });
         assert!(Arc::ptr_eq(&still, &staged));
     }
 
     #[test]
-    fn the_ground_lies_below_the_scene_along_the_up_axis_and_adds_no_shape() {
-        let still = ball();
-        for (up, bottom) in [(UpAxis::Y, 2.0), (UpAxis::Z, 4.0)] {
-            let staged = stage(&still, &Session { ground: true, up, ..Session::default() });
-            let (plane, material) = staged.ground.expect("a ground");
-            assert_eq!(plane.normal, up.vector());
-            assert!(plane.offset < bottom && plane.offset > bottom - 0.01, "{plane:?}");
-            assert_eq!(staged.materials[material as usize].name, "ground");
-            assert_eq!((staged.shape_count(), still.materials.len()), (1, 1));
-        }
+    fn the_ground_stays_while_the_scene_moves() {
+        let still = Arc::new(builtin::make("bunny").expect("a scene"));
+        let at = |time| stage(&still, &Session { ground: true, time, ..Session::default() });
+        let (now, later) = (at(0.0), at(0.7));
+        assert_eq!(now.ground.expect("a ground").0, later.ground.expect("a ground").0);
+        assert_ne!(now.mesh.positions, later.mesh.positions);
+        assert_eq!((later.time, later.shape_count()), (0.7, still.shape_count()));
+        assert!(still.ground.is_none());
     }
 
     #[test]
-    fn checker_tiles_have_round_sizes() {
-        for (size, expected) in [(0.7, 0.5), (1.0, 1.0), (4.9, 2.0), (0.0, 1.0), (f32::INFINITY, 1.0)] {
-            assert!((round_size(size) - expected).abs() < 1e-6, "{size}");
-        }
+    fn opening_fills_in_what_the_session_remembers_and_warns_of_another_scene() {
+        let mut session = Session { up: UpAxis::Z, ..Session::default() };
+        session.scene.reference = SceneRef::Builtin("soup:50".to_owned());
+        session.scene.shape_count = Some(51);
+        let prepared = open(&mut session, &Task::new()).expect("opened");
+        assert_eq!(session.scene.shape_count, Some(50));
+        assert!(prepared.warnings[0].contains("had 51 shapes and has 50"), "{:?}", prepared.warnings);
+        assert_eq!(prepared.camera.up, UpAxis::Z);
+        assert!(open(&mut session, &Task::new()).expect("opened").warnings.is_empty());
     }
 
     #[test]

@@ -180,7 +180,9 @@ pub fn read_depths(text: &str, deepest: u32) -> Result<[u32; 2], String> {
 /// `ex,ey,ez,tx,ty,tz,fov`: eye, target, vertical field of view in degrees.
 pub fn read_camera(text: &str, up: UpAxis) -> Result<Camera, String> {
     let parts: Vec<&str> = text.split(',').collect();
-    let coordinate = |i: usize| read_float(parts[i], f32::MIN..=f32::MAX);
+    let coordinate = |i: usize| {
+        read_float(parts[i], f32::MIN..=f32::MAX).map_err(|_| format!("'{}' is no finite number", parts[i]))
+    };
     if parts.len() != 7 {
         return Err(
             "allowed is ex,ey,ez,tx,ty,tz,fov: where the eye is, what it looks at, and the vertical field of \

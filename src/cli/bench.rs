@@ -1,0 +1,234 @@
+//! `bvhscope bench`: rays a second and build times; rays from a file, and answers to and from files.
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValuesParser, ValueParser};
+use clap::{Arg, ArgMatches, Command};
+use serde_json::{Value as Json, json};
+
+use super::workshop::Workshop;
+use super::{CliError, args, output};
+use crate::export::table::{self, TableFormat};
+use crate::export::{atomic, ray_file};
+use crate::render::bench::{Query, RaySet, RaySetKind, TraceResult, make_rays, trace_rays};
+use crate::world::World;
+
+/// The name of the set whose rays come from a file.
+const FILE_SET: &str = "file";
+
+pub fn command() -> Command {
+    let file = |name: &'static str, help: &'static str| {
+        Arg::new(name).long(name).value_name("FILE").value_parser(ValueParser::path_buf()).help(help)
+    };
+    Command::new("bench")
+        .about("Rays a second on one thread and on all, and build times")
+        .long_about(
+            "Traces three sets of rays on one thread and on all: primary (camera), diffuse (one cosine-weighted bounce \
+             from each primary hit), shadow (from each hit to the light). Or the rays of a file.",
+        )
+        .arg(file(
+            "rays",
+            "Take the rays from a file: little-endian u32 count, then a ray each of eight f32 (origin x y z, t_min, \
+             direction x y z, t_max)",
+        ))
+        .arg(
+            Arg::new("query")
+                .long("query")
+                .value_name("QUERY")
+                .value_parser(PossibleValuesParser::new(Query::ALL.map(Query::name)))
+                .default_value(Query::default().name())
+                .requires("rays")
+                .help("What the rays of the file ask: the nearest hit, or any hit"),
+        )
+        .arg(file(
+            "answers",
+            "Write the answers: u32 count, then an f32 each (the hit's t, infinity for a miss; for occluded 1 or 0)",
+        ).requires("rays"))
+        .arg(file("expect", "Compare with the answers of a file, and print the mismatches").requires("rays"))
+}
+
+/// One set of rays, traced on some threads.
+struct Row {
+    set: &'static str,
+    query: Query,
+    threads: usize,
+    result: TraceResult,
+    /// Against the expected answers, where there are any.
+    mismatches: Option<usize>,
+}
+
+pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
+    let path = |name: &str| matches.get_one::<PathBuf>(name);
+    let session = args::session(matches)?;
+    let from_file = path("rays").map(|file| ray_file::read_rays(file)).transpose()?;
+    let expected = path("expect").map(|file| ray_file::read_answers(file)).transpose()?;
+    if let (Some(rays), Some(expected)) = (&from_file, &expected)
+        && rays.len() != expected.len()
+    {
+        let (rays, answers) = (rays.len(), expected.len());
+        return Err(anyhow::anyhow!("--expect holds {answers} answers, but there are {rays} rays").into());
+    }
+    if let Some(out) = path("answers") {
+        atomic::check_writable(out)?;
+    }
+
+    let workshop = Workshop::open(session)?;
+    let world = workshop.build()?;
+    let sets = match from_file {
+        Some(rays) => vec![(FILE_SET, RaySet { rays, query: query(matches) })],
+        None => camera_sets(&workshop, &world)?,
+    };
+    let rows = traced(&workshop, &world, &sets, expected.as_deref())?;
+    if let (Some(out), Some(row)) = (path("answers"), rows.last()) {
+        ray_file::write_answers(out, &row.result.answers)?;
+    }
+    output::print(&match output::format(matches) {
+        TableFormat::People => people(&world, &rows),
+        TableFormat::Json => table::pretty(&record(&workshop, &world, &rows)),
+        TableFormat::Csv => csv(&workshop, &world, &rows),
+        TableFormat::Markdown => {
+            let heading = HEADING.map(str::to_owned);
+            let is_text: Vec<_> = (0..heading.len()).map(|i| i < 2).collect();
+            table::markdown_text(&heading, &is_text, rows.iter().map(|row| row.cells(|v| format!("{v:.3}"))))
+        }
+    })
+}
+
+fn query(matches: &ArgMatches) -> Query {
+    let name = matches.get_one::<String>("query").expect("it has a default");
+    Query::ALL.into_iter().find(|query| query.name() == name).unwrap_or_default()
+}
+
+fn camera_sets(workshop: &Workshop, world: &World) -> Result<Vec<(&'static str, RaySet)>, CliError> {
+    workshop.run("making rays", |task| {
+        let set = |kind: RaySetKind| {
+            let rays = make_rays(kind, world, &workshop.camera, &workshop.session.render, &task.step())?;
+            task.advance(1);
+            Ok((kind.name(), rays))
+        };
+        task.start(RaySetKind::ALL.len() as u64);
+        RaySetKind::ALL.into_iter().map(set).collect()
+    })
+}
+
+fn traced(
+    workshop: &Workshop,
+    world: &World,
+    sets: &[(&'static str, RaySet)],
+    expected: Option<&[f32]>,
+) -> Result<Vec<Row>, CliError> {
+    // On one thread and on all; the same where all are one.
+    let mut threads = vec![1, workshop.threads()];
+    threads.dedup();
+    workshop.run("tracing rays", |task| {
+        task.start((sets.len() * threads.len()) as u64);
+        let mut rows = Vec::new();
+        for (name, set) in sets {
+            for &threads in &threads {
+                task.check()?;
+                let result = trace_rays(world, set, threads);
+                let mismatches = expected.map(|expected| ray_file::mismatches(&result.answers, expected));
+                rows.push(Row { set: name, query: set.query, threads, result, mismatches });
+                task.advance(1);
+            }
+        }
+        Ok(rows)
+    })
+}
+
+const HEADING: [&str; 8] = ["set", "query", "threads", "rays", "hits", "sum_t", "mrays_per_s", "mismatches"];
+
+impl Row {
+    fn cells(&self, real: impl Fn(f64) -> String) -> Vec<String> {
+        let result = &self.result;
+        vec![
+            self.set.to_owned(),
+            self.query.name().to_owned(),
+            self.threads.to_string(),
+            result.ray_count.to_string(),
+            result.hit_count.to_string(),
+            real(result.sum_t),
+            result.mrays_per_s().map_or_else(String::new, real),
+            self.mismatches.map_or_else(String::new, |n| n.to_string()),
+        ]
+    }
+
+    fn record(&self) -> Json {
+        let result = &self.result;
+        let mut record = json!({
+            "set": self.set,
+            "query": self.query.name(),
+            "threads": self.threads,
+            "rays": result.ray_count,
+            "hits": result.hit_count,
+            "sum_t": result.sum_t,
+            "mrays_per_s": result.mrays_per_s(),
+        });
+        if let Some(mismatches) = self.mismatches {
+            record["mismatches"] = json!(mismatches);
+        }
+        record
+    }
+}
+
+/// The tree and its settings, as in the other commands.
+fn settings(workshop: &Workshop, world: &World) -> [(&'static str, Json); 12] {
+    let build = &world.report.config;
+    [
+        ("scene", json!(world.scene.name)),
+        ("shape_count", json!(world.scene.shape_count())),
+        ("name", json!(workshop.session.variants[workshop.session.active].name)),
+        ("builder", json!(build.builder.name())),
+        ("width", json!(build.width.get())),
+        ("widen", json!(build.widen.name())),
+        ("stop", json!(build.stop.name())),
+        ("bins", json!(build.bins)),
+        ("leaf", json!(build.leaf)),
+        ("node_count", json!(world.figures.node_count)),
+        ("build_ms", json!(world.report.build_ms)),
+        ("bytes", json!(world.bytes())),
+    ]
+}
+
+fn record(workshop: &Workshop, world: &World, rows: &[Row]) -> Json {
+    let settings = settings(workshop, world).map(|(key, value)| (key.to_owned(), value));
+    let mut object: serde_json::Map<_, _> = settings.into_iter().collect();
+    let render = &workshop.session.render;
+    object.insert("size".to_owned(), json!([render.width, render.height]));
+    object.insert("phases".to_owned(), json!(world.report.phases));
+    object.insert("sets".to_owned(), rows.iter().map(Row::record).collect());
+    object.into()
+}
+
+/// A line a set and number of threads, with the settings that gave it.
+fn csv(workshop: &Workshop, world: &World, rows: &[Row]) -> String {
+    let settings = settings(workshop, world);
+    let plain = |value: &Json| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+    let heading = HEADING.into_iter().chain(settings.iter().map(|(key, _)| *key)).map(str::to_owned);
+    let lines = rows.iter().map(|row| {
+        let mut cells = row.cells(|v| v.to_string());
+        cells.extend(settings.iter().map(|(_, value)| plain(value)));
+        cells
+    });
+    table::csv_text(heading.collect(), lines)
+}
+
+fn people(world: &World, rows: &[Row]) -> String {
+    let build = &world.report.config;
+    let columns = if rows.iter().any(|row| row.mismatches.is_some()) { 8 } else { 7 };
+    let cells = |row: &Row| {
+        let mut cells = row.cells(|value| format!("{value:.3}"));
+        cells.truncate(columns);
+        cells
+    };
+    format!(
+        "{}, {} shapes; {} builder, width {}, {} nodes, built in {:.2} ms\n\n{}",
+        world.scene.name,
+        world.scene.shape_count(),
+        build.builder.name(),
+        build.width.name(),
+        world.figures.node_count,
+        world.report.build_ms,
+        table::aligned(HEADING[..columns].iter().map(|&h| h.to_owned()).collect(), rows.iter().map(cells))
+    )
+}

@@ -1,0 +1,153 @@
+//! `bvhscope render`: one picture, or its raw numbers, without a window.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::builder::ValueParser;
+use clap::error::ErrorKind;
+use clap::{Arg, ArgAction, ArgMatches, Command};
+use image::RgbaImage;
+
+use super::workshop::Workshop;
+use super::{CliError, args, output};
+use crate::export::legend::Legend;
+use crate::export::{atomic, exr, raw_csv, session_file};
+use crate::render::{Film, Overlay, display, integrate, overlay};
+use crate::session::{Session, file};
+use crate::world::World;
+
+/// Kinds of files, by extension.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Format {
+    /// The picture as the window shows it.
+    Png,
+    /// Raw numbers or linear colours.
+    Exr,
+    Csv,
+}
+
+impl Format {
+    const ALL: [Self; 3] = [Self::Png, Self::Exr, Self::Csv];
+
+    fn extension(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Exr => "exr",
+            Self::Csv => "csv",
+        }
+    }
+
+    fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_string_lossy().to_ascii_lowercase();
+        Self::ALL.into_iter().find(|format| format.extension() == extension)
+    }
+}
+
+pub fn command() -> Command {
+    Command::new("render")
+        .about("One picture without a window, or the raw numbers behind it")
+        .arg(
+            Arg::new("out")
+                .long("out")
+                .value_name("FILE")
+                .required(true)
+                .value_parser(ValueParser::path_buf())
+                .help("Where to: .png for the picture, .exr or .csv for raw numbers or linear colours"),
+        )
+        .arg(
+            Arg::new("legend")
+                .long("legend")
+                .action(ArgAction::SetTrue)
+                .help("Add a legend below the picture: colour bar with numbers, settings"),
+        )
+}
+
+pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
+    let session = args::session(matches)?;
+    let out = matches.get_one::<PathBuf>("out").expect("clap requires --out");
+    let format = Format::of(out).ok_or_else(|| {
+        let message = format!("--out '{}': the file must end in .png, .exr or .csv", out.display());
+        args::usage(ErrorKind::ValueValidation, message)
+    })?;
+    atomic::check_writable(out)?;
+
+    let start = Instant::now();
+    let workshop = Workshop::open(session)?;
+    let world = workshop.build()?;
+    let film = film(&workshop, &world)?;
+    match format {
+        Format::Png => {
+            let mut picture = display::picture(&film, &workshop.session.display);
+            draw_boxes(&workshop, &world, &mut picture)?;
+            if matches.get_flag("legend") {
+                picture = Legend::of(&workshop.session, &film, &world).below(&picture);
+            }
+            session_file::save_picture(&picture, &finished(&workshop.session, &film), out)?;
+        }
+        Format::Exr => {
+            warn_of_raw(matches, &workshop.session);
+            let text = file::to_text(&finished(&workshop.session, &film), out.parent());
+            exr::save(&[&film], Some(&text), out)?;
+        }
+        Format::Csv => {
+            warn_of_raw(matches, &workshop.session);
+            raw_csv::save(&film, out)?;
+        }
+    }
+    output::note(&format!(
+        "{}: {} x {}, {} samples a pixel, {:.1} s",
+        film.subject.view.name(),
+        film.width,
+        film.height,
+        film.samples,
+        start.elapsed().as_secs_f64()
+    ));
+    output::print(&out.display().to_string())
+}
+
+fn film(workshop: &Workshop, world: &World) -> Result<Film, CliError> {
+    let session = &workshop.session;
+    let settings = &session.render;
+    let what = format!("rendering {}", session.view.name());
+    workshop.run(&what, |task| {
+        let samples = settings.spp.unwrap_or(1);
+        integrate::render(session.film_subject(), world, &workshop.camera, settings, samples, task)
+    })
+}
+
+/// The session of the finished picture: opened, it shows the same.
+fn finished(session: &Session, film: &Film) -> Session {
+    let mut session = session.clone();
+    session.render.spp = Some(film.samples);
+    session
+}
+
+fn draw_boxes(workshop: &Workshop, world: &World, picture: &mut RgbaImage) -> Result<(), CliError> {
+    let settings = workshop.session.overlay;
+    if settings.depths.is_none() {
+        return Ok(());
+    }
+    let (camera, width, height) = (&workshop.camera, picture.width(), picture.height());
+    let drawn = workshop.run("drawing boxes", |task| {
+        let distances = overlay::first_hit_distances(world, camera, width, height, task)?;
+        overlay::draw_boxes(world, camera, &settings, &distances, width, height, task)
+    })?;
+    warn_of_omissions(&drawn);
+    overlay::compose(picture, &drawn);
+    Ok(())
+}
+
+fn warn_of_omissions(drawn: &Overlay) {
+    if drawn.over_budget > 0 {
+        output::warn(&format!(
+            "{} of {} boxes are left out beyond the budget; --boxes-budget raises it",
+            drawn.over_budget, drawn.selected
+        ));
+    }
+}
+
+fn warn_of_raw(matches: &ArgMatches, session: &Session) {
+    if matches.get_flag("legend") || session.overlay.depths.is_some() {
+        output::warn("a file of raw numbers holds neither boxes nor a legend");
+    }
+}

@@ -1,0 +1,95 @@
+//! What the commands share: an opened session, its threads, and work with progress.
+
+use std::sync::Arc;
+
+use anyhow::{Context, anyhow};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use super::{CliError, output, progress};
+use crate::accel::BuildConfig;
+use crate::inspect::stats::Measurement;
+use crate::render::CountKind;
+use crate::scene::{Camera, Scene};
+use crate::session::{Session, prepare};
+use crate::task::{Cancelled, Task};
+use crate::world::World;
+
+/// Builds of a tree whose build time is reported; the median counts.
+const BUILDS: usize = 3;
+
+/// A session with its scene loaded, and the threads that everything runs on.
+pub struct Workshop {
+    pub session: Session,
+    /// At the session's time.
+    pub scene: Arc<Scene>,
+    pub camera: Camera,
+    pool: Arc<ThreadPool>,
+}
+
+impl Workshop {
+    /// Opens the session's scene; warnings go to standard error.
+    pub fn open(mut session: Session) -> Result<Self, CliError> {
+        let threads = session.render.threads;
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = Arc::new(pool.with_context(|| format!("cannot start {threads} threads"))?);
+        let name = session.scene.reference.text();
+        let task = Task::new();
+        let opened = progress::watch(&format!("loading {name}"), &task, || {
+            pool.install(|| prepare::open(&mut session, &task))
+        });
+        let prepared = opened?;
+        prepared.warnings.iter().for_each(|warning| output::warn(warning));
+        Ok(Self { session, scene: prepared.scene, camera: prepared.camera, pool })
+    }
+
+    /// Does work on the session's threads while its progress is shown.
+    pub fn run<T: Send>(
+        &self,
+        what: &str,
+        work: impl FnOnce(&Task) -> Result<T, Cancelled> + Send,
+    ) -> Result<T, CliError> {
+        let task = Task::new();
+        let done = progress::watch(what, &task, || self.pool.install(|| work(&task)));
+        done.map_err(|error| CliError::Failed(anyhow!(error)))
+    }
+
+    /// Builds the session's tree.
+    pub fn build(&self) -> Result<World, CliError> {
+        let what = format!("building a tree over {} shapes", self.scene.shape_count());
+        self.run(&what, |task| World::build(Arc::clone(&self.scene), self.session.build(), task))
+    }
+
+    /// What trees are measured on under this session.
+    pub fn measurement(&self, count: CountKind) -> Measurement<'_> {
+        Measurement {
+            scene: &self.scene,
+            camera: &self.camera,
+            settings: &self.session.render,
+            count,
+            timed: true,
+            builds: BUILDS,
+        }
+    }
+
+    /// A line that says what was measured, for people.
+    pub fn heading(&self, build: &BuildConfig, count: CountKind) -> String {
+        let render = &self.session.render;
+        format!(
+            "{}, {} shapes; {} x {} pixels, {} rays; at most {} shapes a leaf, {} bins; C_t {}, C_i {}; {} threads",
+            self.scene.name,
+            self.scene.shape_count(),
+            render.width,
+            render.height,
+            count.name(),
+            build.leaf,
+            build.bins,
+            build.traversal_cost,
+            build.intersection_cost,
+            self.pool.current_num_threads(),
+        )
+    }
+
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+}
