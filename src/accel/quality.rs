@@ -1,6 +1,12 @@
 //! What the boxes alone tell of a tree.
 
-use super::tree::Tree;
+use crate::each_width;
+use crate::geometry::Aabb;
+
+use super::tree::{Tree, Visit};
+
+/// Children of the widest node.
+const MOST_CHILDREN: usize = 16;
 
 /// The SAH cost in parts: `cost = (C_t * sum A_inner + C_i * sum N_leaf * A_leaf) / A_root`
 /// (Aila, Karras, Laine, "On Quality Metrics of Bounding Volume Hierarchies", 2013, eq. 1).
@@ -55,7 +61,154 @@ pub struct TreeFigures {
 impl TreeFigures {
     /// Measures a tree under the two costs of the SAH.
     pub fn measure(tree: &Tree, traversal_cost: f32, intersection_cost: f32) -> Self {
-        let _ = (tree, traversal_cost, intersection_cost);
-        todo!()
+        let root_area = f64::from(tree.bounds().area());
+        let per_area = |cost: f64| if root_area > 0.0 { cost / root_area } else { 0.0 };
+        let mut levels: Vec<DepthLevel> = Vec::new();
+        let mut leaf_sizes = Vec::new();
+        let mut depth_sum = 0_u64;
+        tree.walk_nodes(|Visit { id, depth, bounds, .. }| {
+            if levels.len() <= depth as usize {
+                levels.resize(depth as usize + 1, DepthLevel::default());
+            }
+            let level = &mut levels[depth as usize];
+            let area = f64::from(bounds.area());
+            match tree.leaf_index(id) {
+                Some(leaf_idx) => {
+                    let size = tree.leaves()[leaf_idx as usize].count as usize;
+                    level.leaf_count += 1;
+                    level.reference_count += size;
+                    level.sah_leaf += per_area(f64::from(intersection_cost) * size as f64 * area);
+                    depth_sum += u64::from(depth);
+                    if leaf_sizes.len() <= size {
+                        leaf_sizes.resize(size + 1, 0);
+                    }
+                    leaf_sizes[size] += 1;
+                }
+                None => {
+                    level.inner_count += 1;
+                    level.sah_inner += per_area(f64::from(traversal_cost) * area);
+                }
+            }
+            true
+        });
+        let leaf_count = tree.leaf_count();
+        let sah_cost = (root_area > 0.0).then(|| SahCost {
+            inner: levels.iter().map(|l| l.sah_inner).sum(),
+            leaf: levels.iter().map(|l| l.sah_leaf).sum(),
+        });
+        Self {
+            node_count: tree.node_count(),
+            inner_count: tree.inner_count(),
+            leaf_count,
+            reference_count: tree.refs().len(),
+            depth_max: tree.depth_max(),
+            depth_mean: (leaf_count > 0).then(|| depth_sum as f64 / leaf_count as f64),
+            leaf_sizes,
+            sah_cost,
+            levels,
+            overlap: (0..tree.inner_count() as u32).map(|node_idx| sibling_overlap(tree, node_idx)).sum(),
+            bytes: tree.bytes(),
+        }
+    }
+}
+
+/// Of an inner node: the sum over pairs of its children of `area(box_i ∩ box_j) / area(its own box)`; 0 where the own
+/// area is.
+pub fn sibling_overlap(tree: &Tree, node_idx: u32) -> f64 {
+    each_width!(tree, t => {
+        let mut boxes = [Aabb::EMPTY; MOST_CHILDREN];
+        let mut count = 0;
+        for (_, bounds) in t.children(node_idx) {
+            boxes[count] = bounds;
+            count += 1;
+        }
+        let boxes = &boxes[..count];
+        let own = boxes.iter().fold(Aabb::EMPTY, |all, b| all.union(*b)).area();
+        let mut shared = 0.0;
+        for (i, a) in boxes.iter().enumerate() {
+            for b in &boxes[i + 1..] {
+                let common = a.intersection(*b);
+                if !common.is_empty() {
+                    shared += f64::from(common.area());
+                }
+            }
+        }
+        if own > 0.0 { shared / f64::from(own) } else { 0.0 }
+    })
+}
+
+/// Every node's own share of the SAH cost, by node id: `C * A / A_root / cost`, C = `C_t` for an inner node, `C_i * N`
+/// for a leaf. The shares add up to 1; all are 0 where the cost is undefined or 0.
+pub fn sah_shares(tree: &Tree, traversal_cost: f32, intersection_cost: f32) -> Vec<f32> {
+    let mut costs = vec![0.0_f64; tree.node_count()];
+    tree.walk_nodes(|Visit { id, bounds, .. }| {
+        let weight = match tree.leaf_index(id) {
+            Some(leaf_idx) => {
+                f64::from(intersection_cost) * f64::from(tree.leaves()[leaf_idx as usize].count)
+            }
+            None => f64::from(traversal_cost),
+        };
+        costs[id.0 as usize] = weight * f64::from(bounds.area());
+        true
+    });
+    let total: f64 = costs.iter().sum();
+    costs.into_iter().map(|cost| if total > 0.0 { (cost / total) as f32 } else { 0.0 }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::accel::{BuildConfig, Width, build};
+    use crate::task::Task;
+
+    /// Unit cubes at x = 0, 2, 4, 6.
+    fn row_of_cubes() -> Vec<Aabb> {
+        (0..4).map(|i| Vec3::X * 2.0 * i as f32).map(|min| Aabb::new(min, min + Vec3::ONE)).collect()
+    }
+
+    fn figures(config: &BuildConfig) -> TreeFigures {
+        let (tree, _) = build(&row_of_cubes(), config, &Task::new()).expect("not cancelled");
+        TreeFigures::measure(&tree, 1.0, 1.0)
+    }
+
+    #[test]
+    fn the_sah_cost_of_four_cubes_is_that_done_by_hand() {
+        let f = figures(&BuildConfig { leaf: 1, ..BuildConfig::default() });
+        // Root 7 x 1 x 1: area 30. Two inner nodes 3 x 1 x 1: area 14. Four leaves of area 6.
+        let sah = f.sah_cost.expect("the root has an area");
+        assert!((sah.inner - (30.0 + 2.0 * 14.0) / 30.0).abs() < 1e-9);
+        assert!((sah.leaf - 4.0 * 6.0 / 30.0).abs() < 1e-9);
+        assert_eq!((f.node_count, f.leaf_count, f.depth_max, f.depth_mean), (7, 4, Some(2), Some(2.0)));
+        assert_eq!(f.leaf_sizes, [0, 4]);
+        assert_eq!(f.overlap, 0.0);
+    }
+
+    #[test]
+    fn a_wide_node_costs_one_traversal() {
+        let f = figures(&BuildConfig { leaf: 1, width: Width::W4, ..BuildConfig::default() });
+        let sah = f.sah_cost.expect("the root has an area");
+        assert!((sah.inner - 1.0).abs() < 1e-9 && (sah.leaf - 0.8).abs() < 1e-9);
+        assert_eq!((f.node_count, f.depth_max), (5, Some(1)));
+    }
+
+    #[test]
+    fn shares_add_up_to_one() {
+        let (tree, _) = build(&row_of_cubes(), &BuildConfig::default(), &Task::new()).expect("not cancelled");
+        let shares = sah_shares(&tree, 1.0, 2.0);
+        assert_eq!(shares.len(), tree.node_count());
+        assert!((shares.iter().sum::<f32>() - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn what_is_undefined_is_none() {
+        let (tree, _) = build(&[], &BuildConfig::default(), &Task::new()).expect("not cancelled");
+        let f = TreeFigures::measure(&tree, 1.0, 1.0);
+        assert_eq!((f.node_count, f.sah_cost, f.depth_max, f.depth_mean), (0, None, None, None));
+        let point = [Aabb::new(Vec3::ONE, Vec3::ONE)];
+        let (tree, _) = build(&point, &BuildConfig::default(), &Task::new()).expect("not cancelled");
+        let f = TreeFigures::measure(&tree, 1.0, 1.0);
+        assert_eq!((f.node_count, f.sah_cost, f.depth_max), (1, None, Some(0)));
     }
 }

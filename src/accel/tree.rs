@@ -93,6 +93,79 @@ pub struct WideBvh<const N: usize> {
     pub leaves: Vec<LeafRange>,
     /// Shape indices in leaf order.
     pub refs: Vec<u32>,
+    /// Of the deepest leaf; the root is at depth 0.
+    pub depth_max: u32,
+}
+
+impl<const N: usize> WideNode<N> {
+    /// A node without children.
+    pub const EMPTY: Self = Self {
+        child_min: [[f32::INFINITY; N]; 3],
+        child_max: [[f32::NEG_INFINITY; N]; 3],
+        children: [ChildRef::EMPTY; N],
+    };
+
+    pub fn set_bounds(&mut self, slot: usize, bounds: &Aabb) {
+        for axis in 0..3 {
+            self.child_min[axis][slot] = bounds.min[axis];
+            self.child_max[axis][slot] = bounds.max[axis];
+        }
+    }
+
+    pub fn child_bounds(&self, slot: usize) -> Aabb {
+        let corner = |of: &[[f32; N]; 3]| glam::Vec3::new(of[0][slot], of[1][slot], of[2][slot]);
+        Aabb { min: corner(&self.child_min), max: corner(&self.child_max) }
+    }
+
+    /// Children that are there.
+    #[inline]
+    pub fn child_count(&self) -> usize {
+        self.children.iter().filter(|c| !c.is_empty()).count()
+    }
+}
+
+impl<const N: usize> WideBvh<N> {
+    /// The id of what a slot points at; `None` for an empty slot.
+    pub fn node_id(&self, child: ChildRef) -> Option<NodeId> {
+        let inner = child.as_inner().map(NodeId);
+        inner.or_else(|| child.as_leaf().map(|leaf_idx| NodeId(self.nodes.len() as u32 + leaf_idx)))
+    }
+
+    /// The children of an inner node with their boxes, in slot order.
+    pub fn children(&self, node_idx: u32) -> impl Iterator<Item = (NodeId, Aabb)> + '_ {
+        let node = &self.nodes[node_idx as usize];
+        (0..N).filter_map(move |slot| Some((self.node_id(node.children[slot])?, node.child_bounds(slot))))
+    }
+
+    /// Visits every node once, parents before children, depth first; `visit` answers whether to go on below the node.
+    /// The node's children or leaf are looked up by the caller where wanted, so the walk itself allocates nothing a node.
+    pub fn walk_nodes(&self, mut visit: impl FnMut(Visit) -> bool) {
+        let Some(root) = self.node_id(self.root) else { return };
+        let mut open = vec![Visit { id: root, parent: None, depth: 0, bounds: self.bounds }];
+        while let Some(at) = open.pop() {
+            let inner = (at.id.0 as usize) < self.nodes.len();
+            if visit(at) && inner {
+                let first = open.len();
+                open.extend(self.children(at.id.0).map(|(id, bounds)| Visit {
+                    id,
+                    parent: Some(at.id),
+                    depth: at.depth + 1,
+                    bounds,
+                }));
+                open[first..].reverse();
+            }
+        }
+    }
+}
+
+/// A node met on a walk, without what lies below it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Visit {
+    pub id: NodeId,
+    pub parent: Option<NodeId>,
+    /// The root is at depth 0.
+    pub depth: u32,
+    pub bounds: Aabb,
 }
 
 /// A finished tree of any width. Immutable once built.
@@ -179,9 +252,53 @@ impl Tree {
         each_width!(self, t => size_of_val(&t.nodes[..]) + size_of_val(&t.leaves[..]) + size_of_val(&t.refs[..]))
     }
 
-    /// Visits every node once, parents before children, depth first. Return `false` to skip what is below a node.
+    /// Of the deepest leaf; `None` for an empty tree.
+    pub fn depth_max(&self) -> Option<u32> {
+        (self.node_count() > 0).then_some(each_width!(self, t => t.depth_max))
+    }
+
+    /// Whether a node is a leaf, and then which.
+    pub fn leaf_index(&self, node: NodeId) -> Option<u32> {
+        (node.0 as usize).checked_sub(self.inner_count()).map(|leaf_idx| leaf_idx as u32)
+    }
+
+    /// The shapes of a leaf.
+    pub fn leaf_shapes(&self, leaf_idx: u32) -> &[u32] {
+        let leaf = self.leaves()[leaf_idx as usize];
+        &self.refs()[leaf.first as usize..(leaf.first + leaf.count) as usize]
+    }
+
+    /// Visits every node once, parents before children, depth first; `visit` answers whether to go on below the node.
+    pub fn walk_nodes(&self, visit: impl FnMut(Visit) -> bool) {
+        each_width!(self, t => t.walk_nodes(visit));
+    }
+
+    /// As [`Tree::walk_nodes`], with each node's children or shapes.
     pub fn walk<'a>(&'a self, mut visit: impl FnMut(NodeView<'a>) -> bool) {
-        let _ = &mut visit;
-        todo!()
+        self.walk_nodes(|Visit { id, parent, depth, bounds }| {
+            let kind = match self.leaf_index(id) {
+                Some(leaf_idx) => NodeKind::Leaf(self.leaf_shapes(leaf_idx)),
+                None => NodeKind::Inner(each_width!(self, t => t.children(id.0).collect())),
+            };
+            visit(NodeView { id, parent, depth, bounds, kind })
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_child_is_exactly_one_of_empty_inner_and_leaf() {
+        for (child, inner, leaf) in [
+            (ChildRef::EMPTY, None, None),
+            (ChildRef::inner(7), Some(7), None),
+            (ChildRef::leaf(0), None, Some(0)),
+            (ChildRef::leaf(9), None, Some(9)),
+        ] {
+            assert_eq!((child.as_inner(), child.as_leaf()), (inner, leaf));
+            assert_eq!(child.is_empty(), inner.is_none() && leaf.is_none());
+        }
     }
 }

@@ -1,8 +1,10 @@
 //! Checks a tree against the boxes it was built over.
 
+use crate::each_width;
 use crate::geometry::Aabb;
 
-use super::tree::{NodeId, Tree};
+use super::config::BuildConfig;
+use super::tree::{ChildRef, NodeId, Tree, WideBvh};
 
 /// One way in which a tree is wrong.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -21,10 +23,134 @@ pub enum Violation {
     BadLink { node: NodeId },
     #[error("leaf {node:?} is empty or out of range")]
     BadLeaf { node: NodeId },
+    #[error("node {node:?} is reached from nowhere")]
+    Unreachable { node: NodeId },
 }
 
-/// Every violation found, at most a hundred; empty for a valid tree.
+/// Most violations that are listed.
+const MOST: usize = 100;
+
+/// Every violation found, at most a hundred; empty for a valid tree over `boxes`. Broken links are met with a visited
+/// set, so any tree can be checked.
 pub fn validate(tree: &Tree, boxes: &[Aabb]) -> Vec<Violation> {
-    let _ = (tree, boxes);
-    todo!()
+    let mut found = Vec::new();
+    check_shapes(tree, boxes.len(), &mut found);
+    each_width!(tree, t => check_nodes(t, boxes, &mut found));
+    found.truncate(MOST);
+    found
+}
+
+fn check_shapes(tree: &Tree, shape_count: usize, found: &mut Vec<Violation>) {
+    let mut counts = vec![0_usize; shape_count];
+    for (leaf_idx, leaf) in tree.leaves().iter().enumerate() {
+        let range = leaf.first as usize..leaf.first as usize + leaf.count as usize;
+        let shapes = tree.refs().get(range).filter(|shapes| !shapes.is_empty());
+        let known = shapes.filter(|shapes| shapes.iter().all(|&s| (s as usize) < shape_count));
+        let Some(shapes) = known else {
+            found.push(Violation::BadLeaf { node: NodeId((tree.inner_count() + leaf_idx) as u32) });
+            continue;
+        };
+        shapes.iter().for_each(|&shape| counts[shape as usize] += 1);
+    }
+    for (shape, &count) in counts.iter().enumerate() {
+        match count {
+            0 => found.push(Violation::ShapeMissing { shape: shape as u32 }),
+            1 => {}
+            _ => found.push(Violation::ShapeRepeated { shape: shape as u32, count }),
+        }
+    }
+}
+
+/// A child slot on the way down: what it points at, the box it claims, the depth.
+struct Claim {
+    child: ChildRef,
+    bounds: Aabb,
+    depth: u32,
+}
+
+fn check_nodes<const N: usize>(bvh: &WideBvh<N>, boxes: &[Aabb], found: &mut Vec<Violation>) {
+    let inner_count = bvh.nodes.len();
+    let mut seen = vec![false; inner_count + bvh.leaves.len()];
+    let mut open = vec![Claim { child: bvh.root, bounds: bvh.bounds, depth: 0 }];
+    while let Some(Claim { child, bounds, depth }) = open.pop() {
+        let Some(node) = bvh.node_id(child) else { continue };
+        match seen.get_mut(node.0 as usize) {
+            Some(seen) if !*seen => *seen = true,
+            _ => {
+                found.push(Violation::BadLink { node });
+                continue;
+            }
+        }
+        if depth as usize > BuildConfig::MAX_DEPTH {
+            found.push(Violation::TooDeep { node, depth });
+        }
+        let content = match child.as_leaf() {
+            Some(leaf_idx) => leaf_content(bvh, leaf_idx, boxes),
+            None => {
+                let slots = 0..N;
+                let wide = &bvh.nodes[node.0 as usize];
+                open.extend(slots.map(|slot| Claim {
+                    child: wide.children[slot],
+                    bounds: wide.child_bounds(slot),
+                    depth: depth + 1,
+                }));
+                bvh.children(node.0).fold(Aabb::EMPTY, |all, (_, b)| all.union(b))
+            }
+        };
+        if !bounds.contains(&content) {
+            found.push(Violation::NotContained { node });
+        } else if bounds != content {
+            found.push(Violation::NotTight { node });
+        }
+    }
+    let lost = seen.iter().enumerate().filter(|(_, seen)| !**seen);
+    found.extend(lost.map(|(id, _)| Violation::Unreachable { node: NodeId(id as u32) }));
+}
+
+fn leaf_content<const N: usize>(bvh: &WideBvh<N>, leaf_idx: u32, boxes: &[Aabb]) -> Aabb {
+    let leaf = bvh.leaves[leaf_idx as usize];
+    let range = leaf.first as usize..leaf.first as usize + leaf.count as usize;
+    let shapes = bvh.refs.get(range).unwrap_or_default();
+    shapes.iter().filter_map(|&s| boxes.get(s as usize)).fold(Aabb::EMPTY, |all, b| all.union(*b))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::accel::{BuildConfig, build};
+    use crate::task::Task;
+
+    fn boxes() -> Vec<Aabb> {
+        (0..6).map(|i| Vec3::X * i as f32).map(|min| Aabb::new(min, min + Vec3::ONE)).collect()
+    }
+
+    /// A valid tree over `boxes`, then broken.
+    fn broken(change: impl FnOnce(&mut WideBvh<2>)) -> Vec<Violation> {
+        let (tree, _) = build(&boxes(), &BuildConfig::default(), &Task::new()).expect("not cancelled");
+        assert_eq!(validate(&tree, &boxes()), []);
+        let Tree::W2(mut bvh) = tree else { panic!("width 2 is the default") };
+        change(&mut bvh);
+        validate(&Tree::W2(bvh), &boxes())
+    }
+
+    #[test]
+    fn each_kind_of_damage_is_named() {
+        let shrunk = broken(|t| t.nodes[0].child_max[0][0] -= 0.5);
+        assert!(matches!(shrunk[..], [Violation::NotContained { .. }, ..]), "{shrunk:?}");
+        let grown = broken(|t| t.bounds.max.y += 1.0);
+        assert_eq!(grown, [Violation::NotTight { node: NodeId(0) }]);
+        let cycle = broken(|t| t.nodes[0].children[1] = ChildRef::inner(0));
+        assert!(cycle.contains(&Violation::BadLink { node: NodeId(0) }), "{cycle:?}");
+        let outside = broken(|t| t.nodes[0].children[1] = ChildRef::inner(1000));
+        assert!(outside.contains(&Violation::BadLink { node: NodeId(1000) }), "{outside:?}");
+        let twice = broken(|t| t.refs[1] = t.refs[0]);
+        assert!(twice.iter().any(|v| matches!(v, Violation::ShapeRepeated { count: 2, .. })), "{twice:?}");
+        assert!(twice.iter().any(|v| matches!(v, Violation::ShapeMissing { .. })), "{twice:?}");
+        let empty_leaf = broken(|t| t.leaves[0].count = 0);
+        assert!(empty_leaf.iter().any(|v| matches!(v, Violation::BadLeaf { .. })), "{empty_leaf:?}");
+        let lost = broken(|t| t.nodes[0].children[1] = ChildRef::EMPTY);
+        assert!(lost.iter().any(|v| matches!(v, Violation::Unreachable { .. })), "{lost:?}");
+    }
 }

@@ -1,15 +1,27 @@
 //! One file per builder behind [`Builder`](super::Builder); boxes and a configuration in, a tree and a report out.
 
+mod binned;
+mod median;
+mod order;
+mod sweep;
+mod top_down;
+
+use std::time::Instant;
+
 use crate::geometry::Aabb;
 use crate::task::{Cancelled, Task};
 
-use super::config::BuildConfig;
-use super::tree::Tree;
+use super::config::{BuildConfig, Builder, Width};
+use super::tree::{Bvh2, Tree};
+use super::widen::widen;
+
+pub use binned::bin_index;
 
 /// A stage of a build, with its wall time.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct BuildPhase {
-    /// `prepare`, `split`, `widen`, `layout` ...
+    /// `prepare` (copy or sort the boxes), `split` (find and make all splits), `layout` (nodes in depth-first order),
+    /// `widen` (nodes of the wanted width).
     pub name: &'static str,
     pub ms: f64,
 }
@@ -24,6 +36,24 @@ pub struct BuildReport {
     pub threads: usize,
 }
 
+/// Splits the time since it was started into phases.
+struct PhaseClock {
+    last: Instant,
+    phases: Vec<BuildPhase>,
+}
+
+impl PhaseClock {
+    fn start() -> Self {
+        Self { last: Instant::now(), phases: Vec::new() }
+    }
+
+    fn finish(&mut self, name: &'static str) {
+        let now = Instant::now();
+        self.phases.push(BuildPhase { name, ms: (now - self.last).as_secs_f64() * 1e3 });
+        self.last = now;
+    }
+}
+
 /// Builds a tree over `boxes`; the index of a box is the index of its shape. The tree is the same at any thread count.
 ///
 /// # Errors
@@ -32,6 +62,47 @@ pub struct BuildReport {
 /// # Panics
 /// If `config` is out of range ([`BuildConfig::check`]) or a box is empty or not finite.
 pub fn build(boxes: &[Aabb], config: &BuildConfig, task: &Task) -> Result<(Tree, BuildReport), Cancelled> {
-    let _ = (boxes, config, task);
-    todo!()
+    config.check().expect("a build configuration is checked where it is given");
+    let mut clock = PhaseClock::start();
+    let bvh = build_binary(boxes, config, task, &mut clock)?;
+    let tree = match config.width {
+        Width::W2 => Tree::W2(widen(&bvh, config.widen, task)?),
+        Width::W4 => Tree::W4(widen(&bvh, config.widen, task)?),
+        Width::W8 => Tree::W8(widen(&bvh, config.widen, task)?),
+    };
+    clock.finish("widen");
+    let build_ms = clock.phases.iter().map(|p| p.ms).sum();
+    let threads = rayon::current_num_threads();
+    Ok((tree, BuildReport { config: *config, phases: clock.phases, build_ms, threads }))
 }
+
+fn build_binary(
+    boxes: &[Aabb],
+    config: &BuildConfig,
+    task: &Task,
+    clock: &mut PhaseClock,
+) -> Result<Bvh2, Cancelled> {
+    task.start(boxes.len() as u64);
+    match config.builder {
+        Builder::Median => {
+            let mut refs = order::build_refs(boxes);
+            clock.finish("prepare");
+            top_down::build(order::RefSlice::new(&mut refs), &median::Median, config, task, clock)
+        }
+        Builder::Binned => {
+            let mut refs = order::build_refs(boxes);
+            clock.finish("prepare");
+            let splitter = binned::Binned { bins: config.bins };
+            top_down::build(order::RefSlice::new(&mut refs), &splitter, config, task, clock)
+        }
+        Builder::Sweep => {
+            let mut arrays = sweep::SweepArrays::sorted(boxes);
+            task.check()?;
+            clock.finish("prepare");
+            top_down::build(arrays.order(boxes), &sweep::Sweep, config, task, clock)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

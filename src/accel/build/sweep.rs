@@ -1,0 +1,184 @@
+//! Full sweep: every position on all three axes, the least SAH split cost.
+//!
+//! References are sorted once an axis; a split keeps the three orders sorted by a stable partition, so that the whole
+//! build is O(n log n) (Wald and Havran, "On building fast kd-Trees for Ray Tracing", 2006, for boxes instead of planes).
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+
+use crate::geometry::Aabb;
+
+use super::order::{Order, PARALLEL_MIN, check_box};
+use super::top_down::{Candidate, Splitter};
+
+/// The arrays that all nodes of a build share in slices.
+pub struct SweepArrays {
+    /// Shape indices sorted by centroid, an axis each.
+    sorted: [Vec<u32>; 3],
+    /// Right sides' half areas while a node is swept, then the far side while it is partitioned.
+    areas: Vec<f32>,
+    moved: Vec<u32>,
+    /// By shape: whether it goes to the left.
+    goes_left: Vec<AtomicBool>,
+}
+
+impl SweepArrays {
+    /// Sorts by centroid along each axis; ties by shape index.
+    ///
+    /// # Panics
+    /// If a box is empty or not finite.
+    pub fn sorted(boxes: &[Aabb]) -> Self {
+        boxes.iter().enumerate().for_each(|(shape, bounds)| check_box(bounds, shape));
+        let sort = |axis: usize| {
+            let mut keys: Vec<u64> = boxes
+                .par_iter()
+                .with_min_len(PARALLEL_MIN)
+                .enumerate()
+                .map(|(shape, b)| (u64::from(sortable(b.center()[axis])) << 32) | shape as u64)
+                .collect();
+            if keys.len() < PARALLEL_MIN {
+                keys.sort_unstable();
+            } else {
+                keys.par_sort_unstable();
+            }
+            keys.into_iter().map(|key| key as u32).collect()
+        };
+        Self {
+            sorted: [sort(0), sort(1), sort(2)],
+            areas: vec![0.0; boxes.len()],
+            moved: vec![0; boxes.len()],
+            goes_left: std::iter::repeat_with(|| AtomicBool::new(false)).take(boxes.len()).collect(),
+        }
+    }
+
+    pub fn order<'a>(&'a mut self, boxes: &'a [Aabb]) -> SweepOrder<'a> {
+        SweepOrder {
+            boxes,
+            sorted: self.sorted.each_mut().map(|axis| &mut axis[..]),
+            areas: &mut self.areas,
+            moved: &mut self.moved,
+            goes_left: &self.goes_left,
+        }
+    }
+}
+
+/// Bits that sort as the float does.
+fn sortable(value: f32) -> u32 {
+    // -0.0 and 0.0 are the same position.
+    let bits = (value + 0.0).to_bits();
+    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
+}
+
+/// One node's references in three sorted orders.
+pub struct SweepOrder<'a> {
+    boxes: &'a [Aabb],
+    sorted: [&'a mut [u32]; 3],
+    areas: &'a mut [f32],
+    moved: &'a mut [u32],
+    goes_left: &'a [AtomicBool],
+}
+
+impl SweepOrder<'_> {
+    /// The best split along one axis: `(cost, references on the left)`; the first of equally good ones.
+    fn sweep_axis(&mut self, axis: usize) -> (f32, usize) {
+        let sorted = &*self.sorted[axis];
+        let count = sorted.len();
+        let mut right = Aabb::EMPTY;
+        for i in (1..count).rev() {
+            right = right.union(self.boxes[sorted[i] as usize]);
+            self.areas[i] = right.half_area();
+        }
+        let mut left = Aabb::EMPTY;
+        let mut best = (f32::INFINITY, 0);
+        for i in 1..count {
+            left = left.union(self.boxes[sorted[i - 1] as usize]);
+            let cost = left.half_area() * i as f32 + self.areas[i] * (count - i) as f32;
+            if cost < best.0 {
+                best = (cost, i);
+            }
+        }
+        best
+    }
+
+    /// Puts the first `mid` references along `axis` before the others in all three orders, which stay sorted.
+    fn partition(&mut self, axis: usize, mid: usize) {
+        for (i, &shape) in self.sorted[axis].iter().enumerate() {
+            self.goes_left[shape as usize].store(i < mid, Ordering::Relaxed);
+        }
+        for other in (0..3).filter(|&other| other != axis) {
+            let sorted = &mut *self.sorted[other];
+            let (mut kept, mut moved) = (0, 0);
+            for i in 0..sorted.len() {
+                let shape = sorted[i];
+                // Written to both places without a branch; only one of the two counters moves on.
+                let left = self.goes_left[shape as usize].load(Ordering::Relaxed);
+                sorted[kept] = shape;
+                self.moved[moved] = shape;
+                kept += usize::from(left);
+                moved += usize::from(!left);
+            }
+            sorted[kept..].copy_from_slice(&self.moved[..moved]);
+        }
+    }
+}
+
+impl Order for SweepOrder<'_> {
+    fn len(&self) -> usize {
+        self.sorted[0].len()
+    }
+
+    fn bounds(&self) -> Aabb {
+        self.sorted[0].iter().fold(Aabb::EMPTY, |b, &shape| b.union(self.boxes[shape as usize]))
+    }
+
+    fn shape(&self, i: usize) -> u32 {
+        self.sorted[0][i]
+    }
+
+    fn split_middle(&mut self, axis: usize) -> usize {
+        let mid = self.len() / 2;
+        self.partition(axis, mid);
+        mid
+    }
+
+    fn split_at(self, mid: usize) -> (Self, Self) {
+        let [x, y, z] = self.sorted;
+        let ((xl, xr), (yl, yr), (zl, zr)) = (x.split_at_mut(mid), y.split_at_mut(mid), z.split_at_mut(mid));
+        let (areas_left, areas_right) = self.areas.split_at_mut(mid);
+        let (moved_left, moved_right) = self.moved.split_at_mut(mid);
+        let (boxes, goes_left) = (self.boxes, self.goes_left);
+        (
+            Self { boxes, sorted: [xl, yl, zl], areas: areas_left, moved: moved_left, goes_left },
+            Self { boxes, sorted: [xr, yr, zr], areas: areas_right, moved: moved_right, goes_left },
+        )
+    }
+}
+
+/// The full sweep. An axis along which all centroids are equal is skipped.
+pub struct Sweep;
+
+impl Splitter<SweepOrder<'_>> for Sweep {
+    const WEIGHS_COST: bool = true;
+
+    fn find(&self, order: &mut SweepOrder<'_>, _bounds: &Aabb) -> Option<Candidate> {
+        let mut best: Option<Candidate> = None;
+        for axis in 0..3 {
+            let first = order.boxes[order.sorted[axis][0] as usize].center()[axis];
+            let last = order.boxes[order.sorted[axis][order.len() - 1] as usize].center()[axis];
+            if first == last {
+                continue;
+            }
+            let (cost, position) = order.sweep_axis(axis);
+            if position > 0 && best.is_none_or(|b| cost < b.cost) {
+                best = Some(Candidate { axis, position, cost, scale: 0.0, origin: 0.0 });
+            }
+        }
+        best
+    }
+
+    fn apply(&self, order: &mut SweepOrder<'_>, split: &Candidate) -> usize {
+        order.partition(split.axis, split.position);
+        split.position
+    }
+}

@@ -1,0 +1,282 @@
+//! Every builder, width and way of widening on many kinds of boxes; determinism; builders against slow searches.
+
+use glam::Vec3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg32;
+
+use super::*;
+use crate::accel::config::{StopRule, Widen};
+use crate::accel::quality::TreeFigures;
+use crate::accel::validate::validate;
+
+fn rng() -> Pcg32 {
+    Pcg32::seed_from_u64(7)
+}
+
+fn random_boxes(count: usize, extent: f32, size: f32) -> Vec<Aabb> {
+    let mut rng = rng();
+    let mut unit = move || Vec3::new(rng.random(), rng.random(), rng.random());
+    (0..count)
+        .map(|_| {
+            let min = (unit() - 0.5) * extent;
+            Aabb::new(min, min + unit() * size)
+        })
+        .collect()
+}
+
+/// Boxes that builders find hard, by name.
+fn hard_cases() -> Vec<(&'static str, Vec<Aabb>)> {
+    let unit = Aabb::new(Vec3::ZERO, Vec3::ONE);
+    let at = |p: Vec3| Aabb::new(p, p);
+    vec![
+        ("none", vec![]),
+        ("one", vec![unit]),
+        ("two", vec![unit, at(Vec3::ONE)]),
+        ("random", random_boxes(700, 10.0, 1.0)),
+        ("points", random_boxes(300, 10.0, 0.0)),
+        ("identical", vec![unit; 500]),
+        (
+            "same middle",
+            (1..200)
+                .map(|i| Aabb::EMPTY.union(at(Vec3::splat(i as f32))).union(at(Vec3::splat(-i as f32))))
+                .collect(),
+        ),
+        ("line", (0..300).map(|i| at(Vec3::X * i as f32)).collect()),
+        (
+            "flat",
+            random_boxes(300, 5.0, 1.0)
+                .iter()
+                .map(|b| Aabb::new(b.min.with_z(0.0), b.max.with_z(0.0)))
+                .collect(),
+        ),
+        ("huge", random_boxes(300, 1e17, 1e16)),
+        ("tiny", random_boxes(300, 1e-30, 1e-31)),
+        // Each box is half as far as the one before: a split by bins takes off one at a time.
+        ("powers", (0..120).map(|i| at(Vec3::X * 0.5_f32.powi(i))).collect()),
+        (
+            "large and small",
+            random_boxes(100, 1e-3, 1e-4).into_iter().chain(random_boxes(100, 1e6, 1e5)).collect(),
+        ),
+    ]
+}
+
+fn every_config() -> Vec<BuildConfig> {
+    let mut configs = Vec::new();
+    for builder in Builder::ALL {
+        for width in Width::ALL {
+            for widen in Widen::ALL {
+                for stop in StopRule::ALL {
+                    for (leaf, bins) in [(1, 16), (2, 2), (5, 256), (64, 33)] {
+                        configs.push(BuildConfig {
+                            builder,
+                            width,
+                            widen,
+                            stop,
+                            leaf,
+                            bins,
+                            ..BuildConfig::default()
+                        });
+                    }
+                }
+            }
+        }
+    }
+    configs
+}
+
+fn tree(boxes: &[Aabb], config: &BuildConfig) -> Tree {
+    build(boxes, config, &Task::new()).expect("not cancelled").0
+}
+
+#[test]
+fn every_tree_is_valid_on_every_hard_case() {
+    for (name, boxes) in hard_cases() {
+        for config in every_config() {
+            let tree = tree(&boxes, &config);
+            assert_eq!(validate(&tree, &boxes), [], "{name}, {config:?}");
+            let most = tree.leaves().iter().map(|l| l.count as usize).max().unwrap_or(0);
+            assert!(most <= config.leaf, "{name}, {config:?}: a leaf of {most}");
+        }
+    }
+}
+
+#[test]
+fn halving_4977_boxes_gives_5857_nodes() {
+    let config = BuildConfig { builder: Builder::Median, ..BuildConfig::default() };
+    assert_eq!(tree(&random_boxes(4977, 10.0, 0.1), &config).node_count(), 5857);
+}
+
+#[test]
+fn the_tree_is_the_same_at_any_number_of_threads() {
+    let boxes = random_boxes(40_000, 10.0, 0.1);
+    for builder in Builder::ALL {
+        let config = BuildConfig { builder, width: Width::W4, ..BuildConfig::default() };
+        let with_threads = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            pool.install(|| tree(&boxes, &config))
+        };
+        let one = with_threads(1);
+        assert!(one == with_threads(2) && one == with_threads(5), "{builder:?}");
+    }
+}
+
+/// The least split cost over all positions on all axes, by trying each.
+fn least_split_cost(boxes: &[Aabb]) -> f32 {
+    let union =
+        |part: &[Aabb]| part.iter().fold(Aabb::EMPTY, |a, b| a.union(*b)).half_area() * part.len() as f32;
+    let mut least = f32::INFINITY;
+    for axis in 0..3 {
+        let mut sorted = boxes.to_vec();
+        sorted.sort_by(|a, b| a.center()[axis].total_cmp(&b.center()[axis]));
+        for mid in 1..sorted.len() {
+            least = least.min(union(&sorted[..mid]) + union(&sorted[mid..]));
+        }
+    }
+    least
+}
+
+#[test]
+fn the_sweep_finds_the_best_split_at_the_root() {
+    for count in [2, 3, 10, 60] {
+        let boxes = random_boxes(count, 5.0, 2.0);
+        let config = BuildConfig { builder: Builder::Sweep, leaf: 1, ..BuildConfig::default() };
+        let tree = tree(&boxes, &config);
+        let mut cost = 0.0;
+        tree.walk(|view| {
+            if view.depth == 1 {
+                let mut below = 0;
+                count_below(&tree, view.id, &mut below);
+                cost += view.bounds.half_area() * below as f32;
+            }
+            view.depth < 1
+        });
+        let least = least_split_cost(&boxes);
+        assert!((cost - least).abs() <= 1e-4 * least, "{count} boxes: {cost} against {least}");
+    }
+}
+
+/// Adds the number of references below a node.
+fn count_below(tree: &Tree, top: crate::accel::NodeId, count: &mut usize) {
+    let mut inside = vec![false; tree.node_count()];
+    tree.walk_nodes(|v| {
+        let parent_inside = v.parent.is_some_and(|p| inside[p.0 as usize]);
+        inside[v.id.0 as usize] = v.id == top || parent_inside;
+        if let (true, Some(leaf_idx)) = (inside[v.id.0 as usize], tree.leaf_index(v.id)) {
+            *count += tree.leaf_shapes(leaf_idx).len();
+        }
+        true
+    });
+}
+
+#[test]
+fn the_sparse_search_over_bins_gives_the_dense_answer() {
+    use super::order::{RefSlice, build_refs};
+    use super::top_down::Splitter;
+    let boxes = random_boxes(63, 5.0, 1.0);
+    for count in [2, 5, 31, 63] {
+        let mut refs = build_refs(&boxes[..count]);
+        let splitter = binned::Binned { bins: 256 };
+        let sparse = splitter.find(&mut RefSlice::new(&mut refs), &Aabb::EMPTY).expect("a split");
+        let dense = splitter.find_dense_for_tests(&refs).expect("a split");
+        assert_eq!(sparse, dense, "{count} boxes");
+    }
+}
+
+#[test]
+fn many_bins_come_close_to_the_sweep_and_few_are_worse() {
+    let boxes = random_boxes(3000, 10.0, 0.5);
+    let cost = |builder, bins| {
+        let tree = tree(&boxes, &BuildConfig { builder, bins, ..BuildConfig::default() });
+        TreeFigures::measure(&tree, 1.0, 1.0).sah_cost.expect("an area").total()
+    };
+    let sweep = cost(Builder::Sweep, 16);
+    assert!((cost(Builder::Binned, 256) / sweep - 1.0).abs() < 0.03);
+    assert!(cost(Builder::Binned, 2) > 1.03 * sweep);
+    assert!(cost(Builder::Median, 16) > 1.1 * sweep);
+}
+
+/// Direct multi-way splitting as it is defined, on top of the binary tree's own splits, one node at a time.
+fn direct_children(bvh: &Bvh2, node: usize, width: usize) -> Vec<usize> {
+    fn refs_below(bvh: &Bvh2, node: usize) -> f32 {
+        let n = bvh.nodes[node];
+        if n.is_leaf() {
+            n.count as f32
+        } else {
+            refs_below(bvh, n.first as usize) + refs_below(bvh, n.first as usize + 1)
+        }
+    }
+    let weight = |node: usize| refs_below(bvh, node) * bvh.nodes[node].bounds.half_area();
+    let mut children = vec![node];
+    while children.len() < width {
+        let lowering = |&c: &usize| {
+            let first = bvh.nodes[c].first as usize;
+            weight(c) - (weight(first) + weight(first + 1))
+        };
+        let open = children.iter().enumerate().filter(|(_, c)| !bvh.nodes[**c].is_leaf());
+        let best = open.fold(None::<(usize, f32)>, |best, (i, c)| match best {
+            Some((_, gain)) if gain >= lowering(c) => best,
+            _ => Some((i, lowering(c))),
+        });
+        let Some((slot, _)) = best else { break };
+        let first = bvh.nodes[children[slot]].first as usize;
+        children.splice(slot..=slot, [first, first + 1]);
+    }
+    children
+}
+
+#[test]
+fn widening_by_split_is_direct_multi_way_splitting() {
+    let boxes = random_boxes(400, 5.0, 1.0);
+    let config = BuildConfig { builder: Builder::Sweep, ..BuildConfig::default() };
+    let bvh = build_binary(&boxes, &config, &Task::new(), &mut PhaseClock::start()).expect("not cancelled");
+    let wide: crate::accel::WideBvh<4> = widen(&bvh, Widen::Split, &Task::new()).expect("not cancelled");
+    let mut open = vec![(0_usize, 0_u32)];
+    while let Some((binary, wide_idx)) = open.pop() {
+        let expected = direct_children(&bvh, binary, 4);
+        let got: Vec<_> = wide.children(wide_idx).collect();
+        assert_eq!(got.len(), expected.len());
+        for ((id, bounds), &member) in got.iter().zip(&expected) {
+            assert_eq!(*bounds, bvh.nodes[member].bounds);
+            if !bvh.nodes[member].is_leaf() {
+                open.push((member, id.0));
+            }
+        }
+    }
+}
+
+#[test]
+fn wide_trees_keep_the_leaves_and_have_fewer_nodes() {
+    let boxes = random_boxes(2000, 5.0, 0.2);
+    for widen in Widen::ALL {
+        let trees =
+            Width::ALL.map(|width| tree(&boxes, &BuildConfig { width, widen, ..BuildConfig::default() }));
+        assert!(trees.windows(2).all(|w| w[0].leaf_count() == w[1].leaf_count()));
+        assert!(trees.windows(2).all(|w| w[0].inner_count() > w[1].inner_count()));
+    }
+}
+
+#[test]
+fn the_stop_rule_cost_makes_larger_leaves_where_tests_are_cheap() {
+    let boxes = random_boxes(2000, 5.0, 0.2);
+    let config = BuildConfig { stop: StopRule::Cost, leaf: 16, ..BuildConfig::default() };
+    let dear = tree(&boxes, &BuildConfig { intersection_cost: 8.0, ..config }).leaf_count();
+    let cheap = tree(&boxes, &BuildConfig { traversal_cost: 8.0, ..config }).leaf_count();
+    assert!(cheap < dear, "{cheap} leaves against {dear}");
+}
+
+#[test]
+fn a_cancelled_build_says_so() {
+    let task = Task::new();
+    task.cancel();
+    assert_eq!(build(&random_boxes(5000, 5.0, 0.2), &BuildConfig::default(), &task), Err(Cancelled));
+}
+
+#[test]
+fn progress_reaches_the_end() {
+    for builder in Builder::ALL {
+        let task = Task::new();
+        let config = BuildConfig { builder, ..BuildConfig::default() };
+        build(&random_boxes(5000, 5.0, 0.2), &config, &task).expect("not cancelled");
+        assert_eq!(task.fraction(), Some(1.0), "{builder:?}");
+    }
+}
