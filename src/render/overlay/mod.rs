@@ -357,6 +357,7 @@ mod tests {
             }],
             leaves: vec![LeafRange { first: 0, count: 1 }, LeafRange { first: 1, count: 3 }],
             refs: vec![0, 1, 2, 3],
+            depth_max: 1,
         })
     }
 
@@ -522,6 +523,7 @@ mod tests {
             nodes: Vec::new(),
             leaves: Vec::new(),
             refs: Vec::new(),
+            depth_max: 0,
         });
         for style in BoxStyle::ALL {
             assert_eq!(draw(&empty, &settings(style), &wall(50.0)).selected, 0);
