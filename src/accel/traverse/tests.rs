@@ -142,7 +142,8 @@ fn counters_of_a_small_tree_are_those_counted_by_hand() {
     let mut counters = RayCounters::default();
     let mut hit = Hit::none(f32::INFINITY);
     intersect(&tree, &Boxes { tree: &tree, boxes: &boxes }, &ray, &mut hit, &mut counters);
-    assert_eq!((hit.t, hit.shape), (1.0, 0));
+    // A box is entered a little early, by the margin of its test.
+    assert!(hit.shape == 0 && (hit.t - 1.0).abs() < 1e-5, "{hit:?}");
     assert_eq!(counters, RayCounters { inner_visits: 1, leaf_visits: 1, box_tests: 2, shape_tests: 1 });
     assert_eq!((counters.nodes_visited(), counters.ray_cost(2.0, 3.0)), (2, 5.0));
 }
