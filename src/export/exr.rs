@@ -107,7 +107,7 @@ mod tests {
             let found = image
                 .layer_data
                 .iter()
-                .find(|layer| layer.attributes.layer_name.as_ref().is_some_and(|n| n.to_string() == name));
+                .find(|layer| layer.attributes.layer_name.as_ref().is_some_and(|n| n == name));
             &found.expect(name).channel_data.list
         };
         let heat = layer("ray-cost");
