@@ -213,7 +213,7 @@ fn report(ui: &mut Ui, view: &AppView) {
     let before = before(view.history);
     let change = |now: Option<f64>, was: fn(&HistoryEntry) -> Option<f64>| (now, before.and_then(was));
     let figure = |term, value, (now, was): (Option<f64>, Option<f64>), better| {
-        Figure::new(term, value).change(now, was, better)
+        Figure::new(term, value).unit("").change(now, was, better)
     };
     let figures = &world.figures;
     let report = &world.report;
@@ -257,7 +257,7 @@ fn report(ui: &mut Ui, view: &AppView) {
     )
     .show(ui, p);
     let references = numbers::count(figures.reference_count as u64);
-    Figure::new(Term::References, references).change(None, None, Better::Neither).show(ui, p);
+    Figure::new(Term::References, references).unit("").change(None, None, Better::Neither).show(ui, p);
     let deepest = figures.depth_max.map(f64::from);
     figure(
         Term::DepthMax,

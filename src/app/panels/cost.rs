@@ -163,13 +163,13 @@ fn prediction(ui: &mut Ui, view: &AppView, world: &World) {
     let p = view.palette;
     let predicted = world.figures.sah_cost.map(|c| c.total());
     let hit = view.rays.and_then(cost_of_hits);
-    Figure::new(Term::Predicted, numbers::decimal(predicted, 2)).show(ui, p);
+    Figure::new(Term::Predicted, numbers::decimal(predicted, 2)).unit("").show(ui, p);
     let ratio = hit.zip(predicted).map_or(String::new(), |(hit, predicted)| {
         format!("{} % of what the SAH cost predicts.", numbers::percent(hit, predicted))
     });
-    Figure::new(Term::MeasuredHit, numbers::decimal(hit, 2)).note(ratio).show(ui, p);
+    Figure::new(Term::MeasuredHit, numbers::decimal(hit, 2)).unit("").note(ratio).show(ui, p);
     let all = view.rays.and_then(|r| r.ray_cost_mean);
-    Figure::new(Term::MeasuredAll, numbers::decimal(all, 2)).part().show(ui, p);
+    Figure::new(Term::MeasuredAll, numbers::decimal(all, 2)).unit("").part().show(ui, p);
     let missed = view.rays.map_or(numbers::DASH.to_owned(), |r| {
         numbers::percent(r.missed_root_count as f64, r.ray_count as f64)
     });
@@ -182,7 +182,7 @@ fn prediction(ui: &mut Ui, view: &AppView, world: &World) {
         (Term::Lcv, view.rays.and_then(|r| r.lcv)),
     ];
     for (term, mean) in means {
-        Figure::new(term, numbers::decimal(mean, 2)).show(ui, p);
+        Figure::new(term, numbers::decimal(mean, 2)).unit("").show(ui, p);
     }
 }
 

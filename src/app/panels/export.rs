@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use egui::{Button, ComboBox, DragValue, Label, RichText, TextEdit, Ui};
+use egui::{Align, Button, ComboBox, DragValue, FontId, Label, Layout, RichText, TextEdit, Ui, vec2};
 
 use crate::app::commands::{Command, Commands, ExportRequest, SaveTarget};
 use crate::app::view::AppView;
@@ -158,23 +158,25 @@ impl ExportPanel {
         let stored = &mut self.paths[target as usize];
         let mut text = stored.clone().unwrap_or_else(|| suggestion(view.session, target));
         let mut save = false;
-        ui.horizontal(|ui| {
+        let row = vec2(ui.available_width(), widgets::ROW_HEIGHT);
+        ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
             let name = target.name();
+            let ready = !text.trim().is_empty() && view.exporting.is_none() && view.scene.is_some();
+            let button = ui.add_enabled(ready, Button::new("Save"));
+            save = button.accessible_name(format!("Save the {name}")).clicked();
+            let browse = ui.button("…").on_hover_text("Chooses where to save.");
+            if browse.accessible_name(format!("Choose where to save the {name}")).clicked() {
+                commands.push(Command::AskSavePath { target, suggested: PathBuf::from(&text) });
+            }
             let edit = TextEdit::singleline(&mut text)
-                .desired_width((ui.available_width() - 86.0).max(60.0))
+                .desired_width(ui.available_width())
+                .vertical_align(Align::Center)
                 .hint_text(format!("path of the {name}"));
             let field = ui.add(edit).accessible_name(format!("Path of the {name}"));
             if field.changed() {
                 *stored = Some(text.clone()).filter(|t| !t.is_empty());
             }
             field.on_hover_text(text.clone());
-            let browse = ui.button("…").on_hover_text("Chooses where to save.");
-            if browse.accessible_name(format!("Choose where to save the {name}")).clicked() {
-                commands.push(Command::AskSavePath { target, suggested: PathBuf::from(&text) });
-            }
-            let ready = !text.trim().is_empty() && view.exporting.is_none() && view.scene.is_some();
-            let button = ui.add_enabled(ready, Button::new("Save"));
-            save = button.accessible_name(format!("Save the {name}")).clicked();
         });
         save.then(|| PathBuf::from(text.trim()))
     }
@@ -200,11 +202,8 @@ fn suggestion(session: &Session, target: SaveTarget) -> String {
 fn copy_command(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
     widgets::term_section(ui, Term::CommandLine);
     let line = command_line(view.session, &suggestion(view.session, SaveTarget::Picture));
-    ui.add(
-        Label::new(RichText::new(&line).monospace().small().color(view.palette.muted))
-            .wrap()
-            .selectable(true),
-    );
+    let text = RichText::new(&line).font(FontId::monospace(11.0));
+    ui.add(Label::new(text).wrap().selectable(true));
     if ui.button("Copy command").on_hover_text(Term::CommandLine.text()).clicked() {
         commands.push(Command::CopyText { text: line, what: "command" });
     }

@@ -44,7 +44,7 @@ glossary! {
     Lights "Lights" "Light sources: emissive shapes, point lights and panels."
     Warnings "Repaired" "What had to be mended to load the file, each kind counted."
     OpenPath "File or name" "A model (OBJ, PLY, STL, glTF), a session, a PNG that carries one, or the name of a built-in scene."
-    SoupSize "Triangles in the soup" "How many random triangles the scene soup is made of."
+    SoupSize "Soup size" "How many random triangles the scene soup is made of."
     UpAxis "Up axis" "The axis of the scene that points up: many OBJ and STL files have Z up."
     Ground "Ground" "A plane that the program puts under the scene, outside every tree and figure."
     Animate "Animate" "Moves the scene on through time, and builds its tree anew for each moment."

@@ -46,6 +46,8 @@ impl HeatmapPanel {
                 view.session.view.name()
             );
             widgets::caption(ui, view.palette, text);
+            under_mouse(ui, view);
+            return;
         }
         widgets::section(ui, "Colours");
         color_map(ui, view, commands);
@@ -96,9 +98,7 @@ impl HeatmapPanel {
 
     fn histogram(&mut self, ui: &mut Ui, view: &AppView, range: Option<[f32; 2]>, commands: &mut Commands) {
         let Some((histogram, [lo, hi])) = view.histogram.zip(range) else {
-            if is_numeric(view.session.view) {
-                widgets::caption(ui, view.palette, "No pixel has a number yet.");
-            }
+            widgets::caption(ui, view.palette, "No pixel has a number yet.");
             return;
         };
         let domain = self.domain(view, histogram, [lo, hi]);

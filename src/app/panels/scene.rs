@@ -47,6 +47,7 @@ impl ScenePanel {
         ui.horizontal(|ui| {
             let edit = TextEdit::singleline(&mut self.open_text)
                 .hint_text("path or name")
+                .vertical_align(egui::Align::Center)
                 .desired_width(ui.available_width() - 56.0);
             let field =
                 ui.add(edit).on_hover_text(Term::OpenPath.text()).accessible_name(Term::OpenPath.label());
@@ -117,10 +118,10 @@ fn open_command(text: &str) -> Command {
 /// A name with a line on it. True if it was clicked.
 fn scene_row(ui: &mut Ui, view: &AppView, selected: bool, name: &str, description: &str) -> bool {
     let mut text = egui::text::LayoutJob::default();
-    let color = if selected { view.palette.accent } else { ui.visuals().strong_text_color() };
-    let body = egui::TextFormat::simple(widgets::body_font(ui), color);
+    let body = egui::TextFormat::simple(widgets::body_font(ui), ui.visuals().strong_text_color());
     text.append(name, 0.0, body);
-    let quiet = egui::TextFormat::simple(widgets::small_font(ui), view.palette.muted);
+    let quiet = if selected { ui.visuals().text_color() } else { view.palette.muted };
+    let quiet = egui::TextFormat::simple(widgets::small_font(ui), quiet);
     text.append(&format!("\n{description}"), 0.0, quiet);
     text.wrap.max_width = ui.available_width() - 14.0;
     let button = Button::selectable(selected, text).min_size(vec2(ui.available_width(), 0.0)).wrap();

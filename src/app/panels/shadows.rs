@@ -80,7 +80,7 @@ impl ShadowsPanel {
 }
 
 fn introduction(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
-    widgets::section(ui, "intersect against occluded");
+    widgets::section(ui, "Intersect against occluded");
     let text = "A shadow ray may stop at the first thing it meets, which is cheaper, but then it cannot know \
                 whether that was glass: the filtered query asks that on the way.";
     widgets::caption(ui, view.palette, text);
@@ -107,7 +107,11 @@ fn pictures(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
     }
     for picture in PICTURES {
         let selected = view.session.view == picture && view.compare.is_none();
-        let response = ui.radio(selected, view_name(picture)).on_hover_text(picture.description());
+        let name = picture_name(picture);
+        let response = ui
+            .radio(selected, name)
+            .on_hover_text(picture.description())
+            .accessible_name(format!("Picture {name}"));
         if response.clicked() && !selected {
             commands.edit(move |s| s.view = picture);
             if view.compare.is_some() {
@@ -115,6 +119,12 @@ fn pictures(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
             }
         }
     }
+}
+
+/// The view's name without the word that all of them share.
+fn picture_name(view: View) -> &'static str {
+    let name = view_name(view);
+    name.strip_prefix("shadow: ").unwrap_or(name)
 }
 
 fn classes(ui: &mut Ui, view: &AppView) {
@@ -189,9 +199,9 @@ fn nodes(ui: &mut Ui, view: &AppView) {
     }
     let mean = |i: usize| means.map(|m| m[i]);
     let p = view.palette;
-    Figure::new(Term::AskIntersect, numbers::decimal(mean(0), 2)).show(ui, p);
-    Figure::new(Term::AskOccluded, numbers::decimal(mean(1), 2)).show(ui, p);
-    Figure::new(Term::AskFiltered, numbers::decimal(mean(2), 2)).show(ui, p);
+    Figure::new(Term::AskIntersect, numbers::decimal(mean(0), 2)).unit("").show(ui, p);
+    Figure::new(Term::AskOccluded, numbers::decimal(mean(1), 2)).unit("").show(ui, p);
+    Figure::new(Term::AskFiltered, numbers::decimal(mean(2), 2)).unit("").show(ui, p);
     let saved = means.map_or(numbers::DASH.to_owned(), |m| numbers::percent(m[0] - m[2], m[0]));
     Figure::new(Term::Saved, saved).unit("%").color(p.accent).show(ui, p);
 }

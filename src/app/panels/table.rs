@@ -64,12 +64,14 @@ fn measure(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
 fn introduction(ui: &mut Ui, view: &AppView) {
     widgets::caption(ui, view.palette, "Not measured yet. These are the trees:");
     for (name, config) in view.session.build().five_trees() {
-        ui.horizontal(|ui| {
-            ui.add_sized(vec2(84.0, ROW_HEIGHT), |ui: &mut Ui| {
-                ui.with_layout(Layout::left_to_right(Align::Center), |ui| ui.strong(name)).inner
-            });
-            ui.add(egui::Label::new(RichText::new(summary(&config)).color(view.palette.muted)).truncate());
-        });
+        let size = vec2(ui.available_width(), widgets::FIGURE_HEIGHT);
+        let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+        let (left, right) = rect.split_left_right_at_x(rect.left() + 84.0);
+        let (font, strong) = (widgets::body_font(ui), ui.visuals().strong_text_color());
+        widgets::paint_text(ui, left, Side::Left, name, font.clone(), strong);
+        let settings = summary(&config);
+        widgets::paint_text(ui, right, Side::Left, &settings, font, view.palette.muted);
+        response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{name}: {settings}")));
     }
 }
 

@@ -25,6 +25,8 @@ pub const ROW_HEIGHT: f32 = 22.0;
 pub const FIGURE_HEIGHT: f32 = 19.0;
 /// Width of a number field.
 pub const NUMBER_WIDTH: f32 = 58.0;
+/// Inputs grow no wider than this.
+const MOST_INPUT_WIDTH: f32 = 360.0;
 const UNIT_WIDTH: f32 = 30.0;
 const CHANGE_WIDTH: f32 = 66.0;
 const GAP: f32 = 6.0;
@@ -123,6 +125,7 @@ pub fn row<R>(ui: &mut Ui, term: Term, contents: impl FnOnce(&mut Ui) -> R) -> R
             )
             .inner
             .on_hover_text(term.text());
+        ui.set_max_width(ui.available_width().min(MOST_INPUT_WIDTH));
         ui.label_inputs_by(label.id, contents)
     })
     .inner
@@ -194,8 +197,8 @@ pub fn segments<T: Copy + PartialEq>(
             ui.painter().layout_no_wrap(describe(c).0.to_owned(), font.clone(), Color32::WHITE).size().x
         })
         .collect();
-    let room = ui.available_width() - BETWEEN * (choices.len() - 1) as f32;
-    let pad = ((room - widths.iter().sum::<f32>()) / choices.len() as f32).clamp(2.0, 40.0);
+    let room = ui.available_width().min(MOST_INPUT_WIDTH) - BETWEEN * (choices.len() - 1) as f32;
+    let pad = ((room - widths.iter().sum::<f32>()) / choices.len() as f32).max(2.0);
     let mut clicked = None;
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = BETWEEN;
@@ -252,7 +255,8 @@ pub struct Figure<'a> {
     term: Term,
     label: &'a str,
     value: String,
-    unit: &'a str,
+    /// `None`: no column for units is kept free.
+    unit: Option<&'a str>,
     /// `None`: no column for changes is kept free.
     change: Option<(Option<String>, Better)>,
     color: Option<Color32>,
@@ -266,7 +270,7 @@ impl<'a> Figure<'a> {
             term,
             label: term.label(),
             value,
-            unit: "",
+            unit: None,
             change: None,
             color: None,
             indent: 0.0,
@@ -274,8 +278,9 @@ impl<'a> Figure<'a> {
         }
     }
 
+    /// Empty for a figure without a unit in a list of figures with units.
     pub fn unit(self, unit: &'a str) -> Self {
-        Self { unit, ..self }
+        Self { unit: Some(unit), ..self }
     }
 
     /// Another label than the term's own.
@@ -315,9 +320,11 @@ impl<'a> Figure<'a> {
             paint_text(ui, cell, Side::Right, change.as_deref().unwrap_or(""), small.clone(), color);
             right -= CHANGE_WIDTH;
         }
-        let unit = Rect::from_x_y_ranges(right - UNIT_WIDTH + 4.0..=right, rect.y_range());
-        paint_text(ui, unit, Side::Left, self.unit, small, palette.muted);
-        right -= UNIT_WIDTH;
+        if let Some(unit) = self.unit {
+            let cell = Rect::from_x_y_ranges(right - UNIT_WIDTH + 4.0..=right, rect.y_range());
+            paint_text(ui, cell, Side::Left, unit, small, palette.muted);
+            right -= UNIT_WIDTH;
+        }
         let color = self.color.unwrap_or_else(|| ui.visuals().strong_text_color());
         let width = elided(ui, self.value.clone(), mono.clone(), color, rect.width()).size().x;
         let value = Rect::from_x_y_ranges(right - width - 1.0..=right, rect.y_range());
@@ -326,7 +333,7 @@ impl<'a> Figure<'a> {
         let shortened = paint_text(ui, label, Side::Left, self.label, body, ui.visuals().text_color());
 
         let change = self.change.as_ref().and_then(|(c, _)| c.as_deref()).unwrap_or("");
-        let text = format!("{}: {} {} {change}", self.label, self.value, self.unit);
+        let text = format!("{}: {} {} {change}", self.label, self.value, self.unit.unwrap_or(""));
         response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text.trim_end()));
         response.on_hover_ui(|ui| {
             ui.set_max_width(280.0);
