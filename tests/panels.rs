@@ -147,8 +147,7 @@ fn every_choice_of_the_build_panel_reaches_the_session() {
     assert_eq!((build.builder, build.width, build.leaf), (Builder::Sweep, Width::W4, 8));
     assert_eq!((build.widen.name(), build.stop.name(), build.traversal_cost), ("collapse", "cost", 1.5));
     assert!(harness.get_by_role_and_label(Role::Slider, "Bins").accesskit_node().is_disabled());
-    let shown =
-        harness.get_by_label_contains("The tree that is shown was built with").accesskit_node().label();
+    let shown = harness.get_by_label_contains("The tree that is shown was built with").value();
     assert!(shown.is_some_and(|l| l.contains("binned 16")), "the tree lags behind, and it says so");
 }
 
@@ -158,7 +157,7 @@ fn the_report_shows_the_figures_of_the_tree_and_their_change() {
     let world = harness.state().world.clone().expect("a world");
     let sah = world.figures.sah_cost.expect("a cost").total();
     let label = format!("SAH cost: {sah:.2}");
-    let label = harness.get_by_label_contains(&label).accesskit_node().label().unwrap_or_default();
+    let label = harness.get_by_label_contains(&label).value().unwrap_or_default();
     assert!(label.ends_with('%'), "64 bins were before, and the change is said: {label}");
 }
 
@@ -306,7 +305,7 @@ fn a_click_on_the_curve_sets_the_number_of_bins() {
 fn the_prediction_stands_beside_what_was_measured() {
     let harness = panel(PanelKind::Cost);
     for label in ["Predicted: ", "Measured: ", "Rays that miss the root: "] {
-        let figure = harness.get_by_label_contains(label).accesskit_node().label().unwrap_or_default();
+        let figure = harness.get_by_label_contains(label).value().unwrap_or_default();
         assert!(figure.chars().any(|c| c.is_ascii_digit()), "{figure}");
     }
 }
@@ -365,7 +364,7 @@ fn scenes_are_opened_and_staged() {
     harness.run();
     harness.get_by_role_and_label(Role::SpinButton, "Soup size").set_value_accesskit(5000.0);
     harness.run();
-    harness.get_by_label("Open soup").click();
+    harness.get_by_label("Open a soup of this size").click();
     harness.run();
     harness.get_by_role_and_label(Role::TextInput, "File or name").focus();
     harness.run();

@@ -1,6 +1,6 @@
 //! Which boxes of the tree are drawn over the picture, and how.
 
-use egui::{DragValue, Ui};
+use egui::{DragValue, RichText, Ui};
 
 use crate::accel::quality::DepthLevel;
 use crate::app::commands::Commands;
@@ -110,7 +110,10 @@ fn depth_range(ui: &mut Ui, view: &AppView, deepest: u32, commands: &mut Command
     if let Some((depth, level)) = shown.hovered.and_then(|i| Some((i, levels.get(i)?))) {
         shown.response.on_hover_ui_at_pointer(|ui| level_tooltip(ui, depth, level));
     }
-    widgets::legend(ui, palette, &[("inner nodes", palette.accent), ("leaves", palette.second)]);
+    ui.horizontal(|ui| {
+        widgets::legend(ui, palette, &[("inner nodes", palette.accent), ("leaves", palette.second)]);
+        ui.label(RichText::new("heights: square root of nodes").small().color(palette.muted));
+    });
     depth_fields(ui, depths, deepest, commands);
 }
 

@@ -304,8 +304,8 @@ fn history_plot(ui: &mut Ui, view: &AppView, quantity: Quantity) -> Option<Build
     let current = view.history.last().and_then(|e| Some([e.number as f64, quantity.of(e)?]));
     let chart = Chart {
         label: quantity.term().label(),
-        height: 110.0,
-        x: Axis::integers(first, last.max(first + 7.0), 8),
+        height: 124.0,
+        x: Axis::integers(first, last.max(first + 7.0), 8).labelled("build"),
         y: Axis::around(points.iter().map(|p| p[1])),
         clickable: true,
     };

@@ -1,7 +1,7 @@
 //! Small, calm charts in one look: fixed bounds, few ticks, a tooltip of our own, no zoom and no drag.
 
 use egui::accesskit::Role;
-use egui::{Color32, Rangef, Response, Sense, Ui, WidgetInfo};
+use egui::{Color32, Rangef, Response, RichText, Sense, Ui, WidgetInfo};
 use egui_plot::{Bar, BarChart, GridMark, Plot, PlotPoint, PlotUi};
 
 use crate::app::theme::Palette;
@@ -13,6 +13,8 @@ use super::widgets::small_font;
 pub struct Axis {
     pub range: [f64; 2],
     pub ticks: Vec<f64>,
+    /// What it counts; may be empty.
+    pub label: &'static str,
     pub text: Box<dyn Fn(f64) -> String>,
 }
 
@@ -55,7 +57,7 @@ impl Axis {
         let first = (range[0] / step).ceil() as i64;
         let last = (range[1] / step).floor() as i64;
         let ticks = (first..=last).map(|i| i as f64 * step).collect();
-        Self { range, ticks, text: Box::new(move |x| numbers::tick(x, step)) }
+        Self { range, ticks, label: "", text: Box::new(move |x| numbers::tick(x, step)) }
     }
 
     /// Powers of two, over the logarithm to base 2.
@@ -63,8 +65,13 @@ impl Axis {
         Self {
             range: [f64::from(first) - 0.2, f64::from(last) + 0.2],
             ticks: (first..=last).map(f64::from).collect(),
+            label: "",
             text: Box::new(|x| numbers::count(1u64 << (x.round().clamp(0.0, 62.0) as u32))),
         }
+    }
+
+    pub fn labelled(self, label: &'static str) -> Self {
+        Self { label, ..self }
     }
 
     fn marks(&self) -> Vec<GridMark> {
@@ -109,6 +116,7 @@ impl Chart<'_> {
         let (x_range, y_range) = (self.x.range, self.y.range);
         let (x_text, y_text) = (self.x.text, self.y.text);
         let font = small_font(ui);
+        let x_label = RichText::new(self.x.label).font(font.clone()).color(palette.muted);
         ui.spacing_mut().item_spacing.y = 5.0;
         let mut plot = Plot::new(self.label)
             .height(self.height)
@@ -132,7 +140,9 @@ impl Chart<'_> {
         };
         plot = plot
             .custom_x_axes(vec![
-                style(egui_plot::AxisHints::new_x()).formatter(move |mark, _| x_text(mark.value)),
+                style(egui_plot::AxisHints::new_x())
+                    .label(x_label)
+                    .formatter(move |mark, _| x_text(mark.value)),
             ])
             .custom_y_axes(vec![
                 style(egui_plot::AxisHints::new_y())

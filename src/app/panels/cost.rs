@@ -130,7 +130,7 @@ fn parts(ui: &mut Ui, palette: &Palette, world: &World) {
             format!("{} % of the SAH cost.", numbers::percent(part, cost.total()))
         })
     };
-    Figure::new(Term::SahCost, numbers::decimal(cost.map(|c| c.total()), 2)).show(ui, palette);
+    Figure::new(Term::SahCost, numbers::decimal(cost.map(|c| c.total()), 2)).label("Total").show(ui, palette);
     let (inner, leaf) = (cost.map(|c| c.inner), cost.map(|c| c.leaf));
     Figure::new(Term::SahInner, numbers::decimal(inner, 2)).part().note(share(inner)).show(ui, palette);
     Figure::new(Term::SahLeaf, numbers::decimal(leaf, 2)).part().note(share(leaf)).show(ui, palette);
@@ -200,8 +200,8 @@ fn per_depth(ui: &mut Ui, palette: &Palette, world: &World) {
     let highest = levels.iter().map(|l| l.sah_inner + l.sah_leaf).fold(0.0, f64::max);
     let chart = Chart {
         label: Term::PerDepth.label(),
-        height: 120.0,
-        x: Axis::integers(0.0, levels.len().max(1) as f64 - 1.0, 8),
+        height: 134.0,
+        x: Axis::integers(0.0, levels.len().max(1) as f64 - 1.0, 8).labelled("depth"),
         y: Axis::from_zero(highest),
         clickable: false,
     };
@@ -235,8 +235,8 @@ fn leaf_sizes(ui: &mut Ui, palette: &Palette, world: &World) {
     }
     let chart = Chart {
         label: Term::LeafSizes.label(),
-        height: 100.0,
-        x: Axis::integers(1.0, counts.len() as f64, 8),
+        height: 114.0,
+        x: Axis::integers(1.0, counts.len() as f64, 8).labelled("shapes in the leaf"),
         y: Axis::from_zero(counts.iter().copied().fold(0.0, f64::max)),
         clickable: false,
     };
@@ -280,8 +280,8 @@ fn bin_chart(ui: &mut Ui, view: &AppView, kind: Curve) -> Option<usize> {
             Curve::NodesVisited => "Nodes visited over bins",
             Curve::BuildTime => "Build time over bins",
         },
-        height: 104.0,
-        x: Axis::powers_of_two(1, 8),
+        height: 116.0,
+        x: Axis::powers_of_two(1, 8).labelled("bins"),
         y: Axis::around(all.iter().map(|p| p[1]).chain(sweep)),
         clickable: true,
     };
@@ -336,8 +336,8 @@ fn curve_notes(ui: &mut Ui, view: &AppView, curve: &BinCurve) {
     if let Some(sweep) = &curve.sweep {
         ui.horizontal_wrapped(|ui| {
             let text = format!(
-                "– –  {}: SAH cost {}, nodes visited {}, {} ms",
-                Term::FullSweep.label(),
+                "Dashed line, {}: SAH cost {}, nodes visited {}, {} ms",
+                Term::FullSweep.label().to_lowercase(),
                 numbers::decimal(sweep.sah_cost, 2),
                 numbers::decimal(sweep.nodes_visited_mean, 2),
                 numbers::decimal(sweep.build_ms, 1)

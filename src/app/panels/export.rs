@@ -125,7 +125,7 @@ impl ExportPanel {
                     }
                 }
             });
-            shown.response.on_hover_text(Term::PictureSize.text());
+            shown.response.accessible_name(Term::PictureSize.label()).on_hover_text(Term::PictureSize.text());
         });
         ui.horizontal(|ui| {
             ui.add_space(widgets::LABEL_WIDTH + 6.0);

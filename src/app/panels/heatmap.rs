@@ -213,7 +213,7 @@ fn color_map(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
                     }
                 }
             });
-        shown.response.on_hover_text(current.description());
+        shown.response.accessible_name(Term::ColorMap.label()).on_hover_text(current.description());
     });
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 12.0), Sense::hover());
     paint_gradient(ui, rect, current);
@@ -296,7 +296,9 @@ fn ends(ui: &mut Ui, view: &AppView, domain: [f64; 2]) {
     let font = widgets::small_font(ui);
     let muted = view.palette.muted;
     widgets::paint_text(ui, rect, widgets::Side::Left, &numbers::short(domain[0]), font.clone(), muted);
-    widgets::paint_text(ui, rect, widgets::Side::Right, &numbers::short(domain[1]), font, muted);
+    widgets::paint_text(ui, rect, widgets::Side::Right, &numbers::short(domain[1]), font.clone(), muted);
+    let text = "heights: square root of pixels";
+    ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, text, font, muted);
 }
 
 fn threshold(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
@@ -322,7 +324,9 @@ fn under_mouse(ui: &mut Ui, view: &AppView) {
     let hover = view.hover;
     let p = view.palette;
     let value = hover.and_then(|h| h.value).map(f64::from);
-    Figure::new(Term::Counter, numbers::short(value)).label(view_name(view.session.view)).show(ui, p);
+    Figure::new(Term::Counter, numbers::short(value))
+        .label(&widgets::capitalised(view_name(view.session.view)))
+        .show(ui, p);
     let pixel = hover.map_or(numbers::DASH.to_owned(), |h| format!("{}, {}", h.x, h.y));
     Figure::new(Term::Pixel, pixel).show(ui, p);
     let shape = hover.and_then(|h| h.shape).map_or(numbers::DASH.to_owned(), numbers::count);

@@ -20,7 +20,8 @@ pub enum FreeDrag {
     NearerEnd,
 }
 
-/// The bars: bar `i` of `n` covers the `i`-th part of `domain`. Heights are stacked from the bottom.
+/// The bars: bar `i` of `n` covers the `i`-th part of `domain`. Its height is the square root of its sum, so that small
+/// ones can be seen beside large ones; its two parts stand for their shares of the sum.
 pub struct RangeBars<'a> {
     pub label: &'a str,
     pub bars: &'a [[f64; 2]],
@@ -72,7 +73,7 @@ impl RangeBars<'_> {
             |[lo, hi]| format!("{} to {}", super::numbers::short(lo), super::numbers::short(hi)),
         );
         response.widget_info(|| {
-            let mut info = WidgetInfo::labeled(Role::Splitter, ui.is_enabled(), self.label);
+            let mut info = WidgetInfo::labeled(Role::Slider, ui.is_enabled(), self.label);
             info.current_text_value = Some(value.clone());
             info
         });
@@ -225,7 +226,7 @@ impl RangeBars<'_> {
             let inside = self.selection.is_some_and(|[lo, hi]| lo <= middle && middle <= hi);
             let strength = if hovered == Some(i) || inside { 1.0 } else { 0.35 };
             let left = plot.left() + i as f32 * width;
-            let height = (plot.height() * (total / highest) as f32).max(2.0);
+            let height = (plot.height() * (total / highest).sqrt() as f32).max(2.0);
             let lower = height * (bar[0] / total) as f32;
             let bottom = plot.bottom();
             let parts = [(bottom - lower, bottom), (bottom - height, bottom - lower)];

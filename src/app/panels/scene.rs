@@ -50,7 +50,7 @@ impl ScenePanel {
                 .vertical_align(egui::Align::Center)
                 .desired_width(ui.available_width() - 56.0);
             let field =
-                ui.add(edit).on_hover_text(Term::OpenPath.text()).accessible_name(Term::OpenPath.label());
+                ui.add(edit).accessible_name(Term::OpenPath.label()).on_hover_text(Term::OpenPath.text());
             let enter = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
             let text = self.open_text.trim();
             let button = ui.add_enabled(!text.is_empty(), Button::new("Open").min_size(vec2(50.0, 0.0)));
@@ -84,8 +84,8 @@ impl ScenePanel {
                 .speed(speed)
                 .custom_formatter(|n, _| numbers::count(n as u64))
                 .custom_parser(parse_count);
-            ui.add(field).on_hover_text(Term::SoupSize.text());
-            if ui.button("Open soup").clicked() {
+            ui.add(field).accessible_name(Term::SoupSize.label()).on_hover_text(Term::SoupSize.text());
+            if ui.button("Open").accessible_name("Open a soup of this size").clicked() {
                 commands.push(Command::OpenScene(self.reference("soup")));
             }
         });
@@ -278,7 +278,7 @@ fn time(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
             .fixed_decimals(2)
             .suffix(" s")
             .trailing_fill(true);
-        ui.add(slider).on_hover_text(Term::Time.text()).changed()
+        ui.add(slider).accessible_name(Term::Time.label()).on_hover_text(Term::Time.text()).changed()
     });
     if changed {
         commands.edit(move |s| s.time = time);

@@ -7,6 +7,7 @@ use egui_extras::{Column as Cell, TableBuilder};
 use crate::accel::BuildConfig;
 use crate::app::commands::{Command, Commands};
 use crate::app::view::AppView;
+use crate::export::table as text;
 use crate::inspect::columns::{self, COLUMNS, Column, Value};
 use crate::inspect::stats::TreeStats;
 
@@ -20,6 +21,8 @@ const LABEL_WIDTH: f32 = 116.0;
 /// The least width of a tree's column.
 const LEAST_WIDTH: f32 = 78.0;
 const MOST_WIDTH: f32 = 130.0;
+/// Between two columns.
+const BETWEEN: f32 = 4.0;
 /// What a row of the table is not made of: the same for all trees, or the heading.
 const NOT_ROWS: [&str; 3] = ["scene", "shape_count", "name"];
 
@@ -49,6 +52,7 @@ impl TablePanel {
         }
         what_was_measured(ui, view, &table.rows);
         figures(ui, view, &table.rows, commands);
+        copy(ui, &table.rows, commands);
     }
 }
 
@@ -99,12 +103,12 @@ fn shown_columns(rows: &[TreeStats]) -> Vec<&'static Column> {
 
 fn figures(ui: &mut Ui, view: &AppView, rows: &[TreeStats], commands: &mut Commands) {
     let columns = shown_columns(rows);
-    let room = ui.available_width() - LABEL_WIDTH - 4.0;
-    let width = (room / rows.len().max(1) as f32).clamp(LEAST_WIDTH, MOST_WIDTH);
+    let room = ui.available_width() - LABEL_WIDTH;
+    let width = (room / rows.len().max(1) as f32 - BETWEEN).clamp(LEAST_WIDTH, MOST_WIDTH);
     let mut chosen = None;
     ui.add_space(4.0);
     ui.horizontal_top(|ui| {
-        ui.spacing_mut().item_spacing = vec2(4.0, 0.0);
+        ui.spacing_mut().item_spacing = vec2(BETWEEN, 0.0);
         ui.vertical(|ui| {
             ui.set_width(LABEL_WIDTH);
             ui.allocate_space(vec2(LABEL_WIDTH, ROW_HEIGHT + 4.0));
@@ -113,35 +117,50 @@ fn figures(ui: &mut Ui, view: &AppView, rows: &[TreeStats], commands: &mut Comma
             }
         });
         ScrollArea::horizontal().id_salt("trees").show(ui, |ui| {
-            let table = TableBuilder::new(ui)
-                .vscroll(false)
-                .striped(false)
-                .columns(Cell::exact(width), rows.len())
-                .cell_layout(Layout::right_to_left(Align::Center));
-            let table = table.header(ROW_HEIGHT + 4.0, |mut header| {
-                for row in rows {
-                    header.col(|ui| {
-                        if heading(ui, view, row) {
-                            chosen = Some(row.config);
-                        }
-                    });
-                }
-            });
-            table.body(|mut body| {
-                for column in &columns {
-                    let best = columns::best_rows(rows, column);
-                    body.row(ROW_HEIGHT, |mut line| {
-                        for (i, row) in rows.iter().enumerate() {
-                            line.col(|ui| cell(ui, view, column, row, best.contains(&i)));
-                        }
-                    });
-                }
-            });
+            // The scroll area would lay the heading and the rows side by side otherwise.
+            ui.vertical(|ui| chosen = trees(ui, view, rows, &columns, width));
         });
     });
     if let Some(config) = chosen {
         use_tree(config, commands);
     }
+}
+
+/// The columns of numbers. The settings of the tree whose name was clicked.
+fn trees(
+    ui: &mut Ui,
+    view: &AppView,
+    rows: &[TreeStats],
+    columns: &[&'static Column],
+    width: f32,
+) -> Option<BuildConfig> {
+    let mut chosen = None;
+    ui.spacing_mut().item_spacing = vec2(BETWEEN, 0.0);
+    let table = TableBuilder::new(ui)
+        .vscroll(false)
+        .striped(false)
+        .columns(Cell::exact(width), rows.len())
+        .cell_layout(Layout::right_to_left(Align::Center));
+    let table = table.header(ROW_HEIGHT + 4.0, |mut header| {
+        for row in rows {
+            header.col(|ui| {
+                if heading(ui, view, row) {
+                    chosen = Some(row.config);
+                }
+            });
+        }
+    });
+    table.body(|mut body| {
+        for column in columns {
+            let best = columns::best_rows(rows, column);
+            body.row(ROW_HEIGHT, |mut line| {
+                for (i, row) in rows.iter().enumerate() {
+                    line.col(|ui| cell(ui, view, column, row, best.contains(&i)));
+                }
+            });
+        }
+    });
+    chosen
 }
 
 fn use_tree(config: BuildConfig, commands: &mut Commands) {
@@ -151,19 +170,14 @@ fn use_tree(config: BuildConfig, commands: &mut Commands) {
 /// A figure's name with its unit.
 fn label(ui: &mut Ui, view: &AppView, column: &Column) {
     let (rect, response) = ui.allocate_exact_size(vec2(LABEL_WIDTH, ROW_HEIGHT), Sense::hover());
-    let text = capitalised(column.title);
+    let text = widgets::capitalised(column.title);
     let unit_width = if column.unit.is_empty() { 0.0 } else { 28.0 };
     let name = Rect::from_x_y_ranges(rect.left()..=rect.right() - unit_width, rect.y_range());
     let unit = Rect::from_x_y_ranges(rect.right() - unit_width..=rect.right() - 2.0, rect.y_range());
     widgets::paint_text(ui, name, Side::Left, &text, widgets::body_font(ui), ui.visuals().text_color());
     widgets::paint_text(ui, unit, Side::Right, column.unit, widgets::small_font(ui), view.palette.muted);
     response.widget_info(|| WidgetInfo::labeled(Role::RowHeader, true, column.heading()));
-    response.on_hover_text(format!("{}.", capitalised(column.meaning)));
-}
-
-fn capitalised(text: &str) -> String {
-    let mut chars = text.chars();
-    chars.next().map_or(String::new(), |c| c.to_uppercase().chain(chars).collect())
+    response.on_hover_text(format!("{}.", widgets::capitalised(column.meaning)));
 }
 
 /// A tree's name. True if it was clicked.
@@ -191,5 +205,17 @@ fn cell(ui: &mut Ui, view: &AppView, column: &Column, row: &TreeStats, best: boo
     let mark = if best { ", the best" } else { "" };
     response.widget_info(|| {
         WidgetInfo::labeled(Role::Cell, true, format!("{} {}: {text}{mark}", row.name, column.heading()))
+    });
+}
+
+fn copy(ui: &mut Ui, rows: &[TreeStats], commands: &mut Commands) {
+    ui.add_space(4.0);
+    ui.horizontal(|ui| {
+        if ui.button("Copy as CSV").on_hover_text("All columns with all digits, for programs.").clicked() {
+            commands.push(Command::CopyText { text: text::csv(rows), what: "table" });
+        }
+        if ui.button("Copy as Markdown").on_hover_text("A table for people.").clicked() {
+            commands.push(Command::CopyText { text: text::markdown(rows), what: "table" });
+        }
     });
 }

@@ -125,8 +125,11 @@ pub fn row<R>(ui: &mut Ui, term: Term, contents: impl FnOnce(&mut Ui) -> R) -> R
             )
             .inner
             .on_hover_text(term.text());
-        ui.set_max_width(ui.available_width().min(MOST_INPUT_WIDTH));
-        ui.label_inputs_by(label.id, contents)
+        let size = vec2(ui.available_width().min(MOST_INPUT_WIDTH), ROW_HEIGHT);
+        ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+            ui.label_inputs_by(label.id, contents)
+        })
+        .inner
     })
     .inner
 }
@@ -143,7 +146,7 @@ pub fn integer_slider(
         ui.spacing_mut().interact_size.x = NUMBER_WIDTH;
         ui.spacing_mut().slider_width = (ui.available_width() - NUMBER_WIDTH - GAP).max(40.0);
         let slider = Slider::new(value, range).logarithmic(logarithmic).trailing_fill(true);
-        ui.add(slider).on_hover_text(term.text())
+        ui.add(slider).accessible_name(term.label()).on_hover_text(term.text())
     })
 }
 
@@ -151,14 +154,14 @@ pub fn integer_slider(
 pub fn number(ui: &mut Ui, term: Term, field: DragValue<'_>) -> Response {
     row(ui, term, |ui| {
         ui.spacing_mut().interact_size.x = NUMBER_WIDTH;
-        ui.add(field).on_hover_text(term.text())
+        ui.add(field).accessible_name(term.label()).on_hover_text(term.text())
     })
 }
 
 /// Another number field in the same row, named by its own term.
 pub fn named_number(ui: &mut Ui, term: Term, field: DragValue<'_>) -> Response {
     ui.spacing_mut().interact_size.x = NUMBER_WIDTH;
-    ui.add(field).on_hover_text(term.text()).accessible_name(term.label())
+    ui.add(field).accessible_name(term.label()).on_hover_text(term.text())
 }
 
 /// A switch. True if it was flipped.
@@ -245,6 +248,7 @@ pub fn combo<T: Copy + PartialEq>(
                 }
             })
             .response
+            .accessible_name(term.label())
             .on_hover_text(current.map_or(term.text(), |c| describe(c).1));
         clicked
     })
@@ -375,6 +379,12 @@ pub fn progress(ui: &mut Ui, palette: &Palette, job: &JobStatus, stop: &str) -> 
     let share = job.fraction.map_or(String::new(), |f| format!("{:.0} %, ", 100.0 * f));
     caption(ui, palette, format!("{} · {share}{}", job.what, numbers::elapsed(job.elapsed)));
     stopped
+}
+
+/// The same text with a capital first letter.
+pub fn capitalised(text: &str) -> String {
+    let mut chars = text.chars();
+    chars.next().map_or(String::new(), |c| c.to_uppercase().chain(chars).collect())
 }
 
 /// A small filled square that stands for a series or a class.
