@@ -4,7 +4,7 @@
 use std::f32::consts::FRAC_PI_2;
 use std::sync::Arc;
 
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec2, Vec3, Vec3Swizzles};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
@@ -220,14 +220,14 @@ fn build(scene: &Arc<Scene>, config: &BuildConfig) -> World {
     world
 }
 
-/// Random rays; rays between points of the grid; rays along axes, with zeros of both signs; rays that start on
-/// surfaces; and some that end early or begin late.
+/// Random rays; rays between points of the grid; rays along axes, with zeros of both signs; rays at shapes and at the
+/// corners of their boxes, and along shapes; rays that start on surfaces; and some that end early or begin late.
 fn rays(scene: &Scene, count: usize) -> Vec<Ray> {
     let mut rng = Pcg32::seed_from_u64(5);
-    let axes = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
+    let axes = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z];
     let mut rays = Vec::with_capacity(count);
     for i in 0..count {
-        let mut ray = match i % 6 {
+        let mut ray = match i % 8 {
             0 => Ray::new(vec(&mut rng, 4.0), vec(&mut rng, 1.0)),
             1 => Ray::new(grid_point(&mut rng) * 3.0, grid_point(&mut rng)),
             2 => Ray::new(grid_point(&mut rng), axes[rng.random_range(0..6)]),
@@ -237,6 +237,14 @@ fn rays(scene: &Scene, count: usize) -> Vec<Ray> {
                 let bounds = scene.shape(rng.random_range(0..scene.shape_count() as u32)).bounds();
                 let origin = grid_point(&mut rng) * 2.0;
                 Ray::new(origin, bounds.corners()[rng.random_range(0..8)] - origin)
+            }
+            5 | 6 if scene.shape_count() > 0 => {
+                let shape = scene.shape(rng.random_range(0..scene.shape_count() as u32));
+                let mut point = || shape.sample(Vec2::new(rng.random(), rng.random())).position;
+                let (p, q) = (point(), point());
+                // Every other one along the shape, in its plane if it has one.
+                let origin = if i % 2 == 0 { p + (p - q) * 3.0 } else { vec(&mut rng, 4.0) };
+                Ray::new(origin, q - origin)
             }
             _ => {
                 // From a surface: the first hit of another ray, moved not at all.
@@ -314,7 +322,7 @@ fn every_tree_answers_every_query_as_testing_every_shape_does() {
     for scene in scenes() {
         let scene = Arc::new(scene);
         let expected: Vec<Expected> =
-            rays(&scene, 300).into_iter().map(|ray| expected(&scene, ray)).collect();
+            rays(&scene, 400).into_iter().map(|ray| expected(&scene, ray)).collect();
         let hits = expected.iter().filter(|e| e.hit.is_some()).count();
         assert!(hits > 15 || scene.name == "empty", "only {hits} rays hit '{}'", scene.name);
         for config in configs() {
