@@ -15,8 +15,8 @@ use crate::scene::{Light, MaterialKind, Scene, Surface};
 /// The share of picks that the sky gets beside other lights. Small: it is everywhere, and scattered rays find it.
 const SKY_SHARE: f64 = 0.25;
 
-/// What the computed t of a light may be off by, relative: 16 roundings.
-const SHADOW_RAY_ROUNDING: f32 = 8.0 * f32::EPSILON;
+/// What the computed t of a shadow ray's end may be off by, relative: 8 roundings.
+const SHADOW_RAY_ROUNDING: f32 = 4.0 * f32::EPSILON;
 
 /// A scene's lights with the probability of picking each, in proportion to its power. Made in one pass over the lights.
 #[derive(Clone, Debug)]
@@ -201,8 +201,9 @@ impl LightSample {
 
 impl LightPoint {
     fn seen_from(self, to: &Surface, radiance: Vec3, can_be_hit: bool) -> Option<LightSample> {
-        let direction = (self.point.position - to.position).normalize();
-        let target = pushed_out(&self.point);
+        let way = self.point.position - to.position;
+        let direction = way.try_normalize()?;
+        let target = pushed_out(&self.point, way.length());
         let shadow_ray = shadow_ray(to, direction, target)?;
         self.pdf.is_finite().then_some(LightSample {
             direction,
@@ -297,10 +298,11 @@ fn cone_point(sphere: &Sphere, from: Vec3, u: Vec2) -> Option<LightPoint> {
     Some(LightPoint { point, pdf: cone.pdf })
 }
 
-/// The point moved out of its surface by its error bound, so that a way to it ends before the surface.
-fn pushed_out(sample: &SurfaceSample) -> Vec3 {
-    let bound = sample.error.dot(sample.normal.abs()) + f32::EPSILON * sample.position.abs().max_element();
-    sample.position + bound * sample.normal
+/// The point moved out of its surface, so that a way of length `distance` to it ends before the surface at any angle: by
+/// its error bound, and by what rounding the way's direction may move its end.
+fn pushed_out(sample: &SurfaceSample, distance: f32) -> Vec3 {
+    let rounding = f32::EPSILON * (4.0 * distance + sample.position.abs().max_element());
+    sample.position + (sample.error.dot(sample.normal.abs()) + rounding) * sample.normal
 }
 
 /// The ray to ask whether the way to `target` is free; `None` where the two are at the same place.
