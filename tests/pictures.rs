@@ -643,7 +643,7 @@ mod films {
 
     #[test]
     fn heatmaps_and_figures_count_the_same_rays() {
-        let world = builtin("cornell");
+        let world = builtin("bunny");
         let camera = &world.scene.camera;
         let settings = settings([40, 30], 6);
         let task = Task::new();
@@ -654,7 +654,7 @@ mod films {
             let subject = FilmSubject { view: View::NodesVisited, count, shadow_rule: ShadowRule::Glass };
             let film = render(subject, &world, camera, &settings, 1, &task).expect("nobody cancels");
             let sum: f64 = film.numbers().expect("numbers").into_iter().map(f64::from).sum();
-            let mean = figures.nodes_visited_mean.expect("the box has rays of every kind");
+            let mean = figures.nodes_visited_mean.expect("the scene has rays of every kind");
             assert!((sum - mean * figures.ray_count as f64).abs() < 1e-6 * sum, "{}", count.name());
             let parts = figures.inner_visits_mean.unwrap_or(0.0) + figures.leaf_visits_mean.unwrap_or(0.0);
             assert!((parts - mean).abs() < 1e-9);

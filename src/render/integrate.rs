@@ -201,13 +201,13 @@ pub(super) fn whitted_frame(
 
 /// Counts the rays of one sample of one pixel. Traces no more than it must.
 #[inline]
-pub(super) fn count_pixel(
+pub(super) fn count_pixel<'t>(
     pass: &Pass,
     whitted: &mut Whitted,
-    mut rays: CountRays,
+    mut rays: CountRays<'t>,
     x: u32,
     y: u32,
-) -> CountRays {
+) -> CountRays<'t> {
     let ray = pass.camera_ray(x, y);
     if rays.counts_camera_rays_alone() {
         pass.world.intersect(&ray, rays.begin(RayKind::Camera, &ray));
