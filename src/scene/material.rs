@@ -1,5 +1,7 @@
 //! Materials and textures.
 
+use std::sync::LazyLock;
+
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -55,12 +57,20 @@ pub struct Material {
     pub kind: MaterialKind,
 }
 
-/// A texture: linear RGB, decoded from sRGB where the file was, row by row from the top.
+/// A texture, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     pub width: u32,
     pub height: u32,
-    pub pixels: Vec<Vec3>,
+    pub pixels: Pixels,
+}
+
+/// The pixels of a texture as its file holds them: most files are eight bits a component, and stay so in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Pixels {
+    /// Encoded in sRGB; decoded when looked up, before any interpolation.
+    Srgb8(Vec<[u8; 3]>),
+    Linear(Vec<Vec3>),
 }
 
 /// Which materials let shadow rays pass straight on. Belongs to Whitted and the shadow views.
@@ -139,9 +149,33 @@ impl Image {
         let wrapped = |value: f32, count: usize| (value.floor() as i64).rem_euclid(count as i64) as usize;
         let (x0, y0) = (wrapped(x, width), wrapped(y, height));
         let (x1, y1) = ((x0 + 1) % width, (y0 + 1) % height);
-        let at = |x: usize, y: usize| self.pixels[y * width + x];
+        let at = |x: usize, y: usize| self.pixels.linear(y * width + x);
         at(x0, y0).lerp(at(x1, y0), fx).lerp(at(x0, y1).lerp(at(x1, y1), fx), fy)
     }
+}
+
+impl Pixels {
+    fn len(&self) -> usize {
+        match self {
+            Self::Srgb8(pixels) => pixels.len(),
+            Self::Linear(pixels) => pixels.len(),
+        }
+    }
+
+    /// The linear colour of a pixel.
+    fn linear(&self, index: usize) -> Vec3 {
+        match self {
+            Self::Srgb8(pixels) => srgb8_to_linear(pixels[index]),
+            Self::Linear(pixels) => pixels[index],
+        }
+    }
+}
+
+/// The linear colour that three sRGB-encoded bytes stand for.
+pub fn srgb8_to_linear(encoded: [u8; 3]) -> Vec3 {
+    static TABLE: LazyLock<[f32; 256]> =
+        LazyLock::new(|| std::array::from_fn(|byte| srgb_to_linear(byte as f32 / 255.0)));
+    Vec3::from_array(encoded.map(|byte| TABLE[usize::from(byte)]))
 }
 
 /// The light that an sRGB-encoded component between 0 and 1 stands for (IEC 61966-2-1).
@@ -185,14 +219,18 @@ mod tests {
 
     #[test]
     fn a_colour_exists_for_any_coordinate() {
-        let image = Image { width: 1, height: 1, pixels: vec![Vec3::ONE] };
+        let image = Image { width: 1, height: 1, pixels: Pixels::Linear(vec![Vec3::ONE]) };
         for color in [
             Color::Checker { even: Vec3::ONE, odd: Vec3::ZERO, size: 0.0, fine: vec![] },
             Color::Image { image: 0, tint: Vec3::ONE },
             Color::Image { image: 7, tint: Vec3::ONE },
         ] {
             for x in [f32::NAN, f32::INFINITY, -1e30, 1e30] {
-                assert!(colored(color.clone()).color_at(Vec2::new(x, x), &[image.clone()]).is_finite());
+                assert!(
+                    colored(color.clone())
+                        .color_at(Vec2::new(x, x), std::slice::from_ref(&image))
+                        .is_finite()
+                );
             }
         }
     }
@@ -200,13 +238,21 @@ mod tests {
     #[test]
     fn images_are_bilinear_repeat_and_start_at_the_top() {
         let (a, b, c, d) = (Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE);
-        let image = Image { width: 2, height: 2, pixels: vec![a, b, c, d] };
+        let image = Image { width: 2, height: 2, pixels: Pixels::Linear(vec![a, b, c, d]) };
         assert_eq!(image.sample(Vec2::new(0.25, 0.75)), a);
         assert_eq!(image.sample(Vec2::new(0.75, 0.75)), b);
         assert_eq!(image.sample(Vec2::new(0.25, 0.25)), c);
         assert_eq!(image.sample(Vec2::new(3.75, -2.75)), d);
         assert!((image.sample(Vec2::new(0.5, 0.75)) - (a + b) / 2.0).length() < 1e-6);
         assert!((image.sample(Vec2::new(0.0, 0.75)) - (a + b) / 2.0).length() < 1e-6, "wraps around");
+    }
+
+    #[test]
+    fn encoded_pixels_are_decoded_before_they_are_mixed() {
+        let image = Image { width: 2, height: 1, pixels: Pixels::Srgb8(vec![[0; 3], [255; 3]]) };
+        assert!((image.sample(Vec2::new(0.5, 0.5)) - Vec3::splat(0.5)).length() < 1e-6);
+        let none = Image { width: 2, height: 2, pixels: Pixels::Srgb8(vec![[255; 3]]) };
+        assert_eq!(none.sample(Vec2::ZERO), Vec3::ZERO);
     }
 
     #[test]

@@ -20,7 +20,7 @@ pub use animation::{Motion, Track};
 pub use camera::{Camera, UpAxis};
 pub use light::{Light, Sky};
 pub use load::{LoadError, Loaded};
-pub use material::{Color, Image, Material, MaterialKind, ShadowRule};
+pub use material::{Color, Image, Material, MaterialKind, Pixels, ShadowRule};
 pub use mesh::{Mesh, MeshTriangle};
 pub use reference::SceneRef;
 pub use surface::Surface;
