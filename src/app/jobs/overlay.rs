@@ -152,7 +152,7 @@ mod tests {
             too_small,
             over_budget,
             color_range: None,
-            density_max: None,
+            density_range: None,
         }
     }
 

@@ -19,13 +19,16 @@ const LINE_WIDTH: f32 = 1.2;
 /// Opacity of what lies behind surfaces, where it is shown, against what lies before them.
 const HIDDEN_ALPHA: f32 = 0.28;
 
-/// Opacity of lines of boxes of at least `LARGE` pixels (width + height), and of the smallest.
-const LINE_ALPHA: [f32; 2] = [0.45, 0.95];
-const LARGE: f32 = 48.0;
+/// Opacity of the lines of the smallest boxes, and of those of at least `LARGE` pixels (width + height): thousands of
+/// small boxes would otherwise hide what they hold.
+const LINE_ALPHA: [f32; 2] = [0.3, 0.95];
+const LARGE: f32 = 64.0;
 
-/// Opacity of a box's sides towards the viewer, and away from him, and of the lines around them.
-const FRONT_ALPHA: f32 = 0.16;
-const BACK_ALPHA: f32 = 0.06;
+/// Opacity of the sides towards the viewer of the smallest boxes, and of one that fills the picture.
+const FRONT_ALPHA: [f32; 2] = [0.34, 0.05];
+/// Opacity of the sides away from the viewer, against those towards him.
+const BACK_ALPHA: f32 = 0.35;
+/// Opacity of the lines around sides, against lines alone.
 const RIM_ALPHA: f32 = 0.6;
 
 /// Brightness of the sides across x, y, z: as if lit from above.
@@ -112,22 +115,26 @@ impl<'a> Band<'a> {
 
     /// The edges of a box.
     pub fn outline_box(&mut self, shown: &ShownBox, color: [u8; 3]) {
-        let t = (shown.size / LARGE).min(1.0);
-        self.draw_edges(shown, rgb(color), LINE_ALPHA[0] + t * (LINE_ALPHA[1] - LINE_ALPHA[0]));
+        self.draw_edges(shown, rgb(color), line_alpha(shown));
     }
 
     /// The sides of a box, translucent, and its edges.
     pub fn fill_box(&mut self, shown: &ShownBox, color: [u8; 3]) {
         let color = rgb(color);
         let shades = SIDE_SHADE.map(|shade| color * shade);
+        // The more of the picture a side covers, the less it takes to be seen.
+        let covered = shown.size / (self.canvas.width + self.canvas.height) as f32;
+        let front = mix(FRONT_ALPHA, covered.sqrt());
         self.for_each_pixel_inside(shown, |band, pixel, surface, span| {
-            band.blend(pixel, shades[span.exit_axis], BACK_ALPHA, span.exit <= surface);
+            // A flat box has one side only.
+            if span.exit > span.enter {
+                band.blend(pixel, shades[span.exit_axis], BACK_ALPHA * front, span.exit <= surface);
+            }
             if span.enter > 0.0 {
-                band.blend(pixel, shades[span.enter_axis], FRONT_ALPHA, span.enter <= surface);
+                band.blend(pixel, shades[span.enter_axis], front, span.enter <= surface);
             }
         });
-        let t = (shown.size / LARGE).min(1.0);
-        self.draw_edges(shown, color, RIM_ALPHA * t);
+        self.draw_edges(shown, color, RIM_ALPHA * line_alpha(shown));
     }
 
     /// Adds one to the count of every pixel over which the box lies.
@@ -220,23 +227,22 @@ impl<'a> Band<'a> {
         let ends = [a.x - cap, b.x + cap];
         let reach = (0.5 * LINE_WIDTH + 0.5) / cos;
         let Some([first, end]) = self.line_steps::<STEEP>(a, slope, ends, reach) else { return };
+        let lane_range = if STEEP { [0, self.canvas.width] } else { self.rows };
         for step in first..end {
             let [from, to] = [ends[0].max(step as f32), ends[1].min(step as f32 + 1.0)];
             let middle = 0.5 * (from + to) - a.x;
             let across = a.y + middle * slope;
-            let depth = 1.0 / (a.z + middle.clamp(0.0, along.x) * inv_depth_slope);
-            let visible = depth <= self.surface_beside::<STEEP>(step, across);
-            if !visible && !self.canvas.show_hidden {
+            let lanes = [across - reach, across + reach].map(|v| (v + 0.5).floor().max(0.0) as u32);
+            let lanes = lanes[0].max(lane_range[0])..lanes[1].min(lane_range[1]);
+            if lanes.is_empty() {
                 continue;
             }
-            let lanes = [across - reach, across + reach].map(|v| (v + 0.5).floor().max(0.0) as u32);
-            for lane in lanes[0]..lanes[1] {
-                let (x, y) = if STEEP { (lane, step) } else { (step, lane) };
-                if x >= self.canvas.width || y < self.rows[0] || y >= self.rows[1] {
-                    continue;
-                }
+            let depth = 1.0 / (a.z + middle.clamp(0.0, along.x) * inv_depth_slope);
+            let visible = depth <= self.surface_beside::<STEEP>(step, across);
+            for lane in lanes {
                 let distance = (lane as f32 + 0.5 - across).abs() * cos;
                 let cover = (0.5 * LINE_WIDTH + 0.5 - distance).clamp(0.0, 1.0) * (to - from);
+                let (x, y) = if STEEP { (lane, step) } else { (step, lane) };
                 let pixel = ((y - self.rows[0]) * self.canvas.width + x) as usize;
                 self.blend(pixel, color, alpha * cover, visible);
             }
@@ -299,6 +305,15 @@ fn span(a: Vec3, b: Vec3) -> Option<Span> {
         }
     }
     (enter <= exit && exit > 0.0).then_some(Span { enter, enter_axis, exit, exit_axis })
+}
+
+fn line_alpha(shown: &ShownBox) -> f32 {
+    mix(LINE_ALPHA, shown.size / LARGE)
+}
+
+/// From the first to the second as `t` goes from 0 to 1, clamped.
+fn mix([from, to]: [f32; 2], t: f32) -> f32 {
+    from + (to - from) * t.clamp(0.0, 1.0)
 }
 
 fn rgb(color: [u8; 3]) -> Vec3 {

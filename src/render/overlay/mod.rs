@@ -12,9 +12,10 @@ use serde::{Deserialize, Serialize};
 
 use self::band::{BAND_ROWS, Band, Canvas};
 use self::project::Projector;
-use self::select::{Costs, Selection, ShownBox, select};
+use self::select::{Selection, ShownBox, select};
 use super::display::ColorMap;
 use crate::accel::Tree;
+use crate::accel::quality::sah_shares;
 use crate::scene::Camera;
 use crate::scene::camera::CameraFrame;
 use crate::task::{Cancelled, Task};
@@ -25,8 +26,8 @@ pub use color::{NEUTRAL_COLOR, ramp};
 /// Through which the density of boxes is shown, on a logarithmic scale.
 pub const DENSITY_MAP: ColorMap = ColorMap::Inferno;
 
-/// Opacity of the density where at least one box lies.
-const DENSITY_ALPHA: f32 = 0.88;
+/// Opacity of the density where the fewest and where the most boxes lie.
+const DENSITY_ALPHA: [f32; 2] = [0.62, 0.94];
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -132,8 +133,8 @@ pub struct Overlay {
     /// What the boxes' colours mean: the values at the two ends of [`BoxColor::color`]; `None` if none has a value, and
     /// for a density.
     pub color_range: Option<[f32; 2]>,
-    /// Most boxes over one pixel; `None` unless the style is density.
-    pub density_max: Option<u32>,
+    /// Fewest and most boxes over one pixel; `None` unless the style is density. See [`density_position`].
+    pub density_range: Option<[u32; 2]>,
 }
 
 /// Draws the boxes of the world's tree. `depth`: distance along each pixel centre's camera ray to the first surface
@@ -154,12 +155,11 @@ pub fn draw_boxes(
     task: &Task,
 ) -> Result<Overlay, Cancelled> {
     let config = &world.report.config;
-    let costs = Costs {
-        traversal: config.traversal_cost,
-        intersection: config.intersection_cost,
-        total: world.figures.sah_cost.map_or(0.0, |cost| cost.total() as f32),
+    let shares = match settings.color {
+        BoxColor::SahShare => sah_shares(&world.tree, config.traversal_cost, config.intersection_cost),
+        BoxColor::Depth | BoxColor::LeafSize => Vec::new(),
     };
-    draw_tree(&world.tree, costs, camera.frame(width, height), settings, depth, task)
+    draw_tree(&world.tree, &shares, camera.frame(width, height), settings, depth, task)
 }
 
 /// Distance along the ray through each pixel's centre to the first surface; infinity for none.
@@ -203,14 +203,16 @@ pub fn compose(picture: &mut RgbaImage, overlay: &Overlay) {
     });
 }
 
-/// Where a number of boxes lies on the colour map of a density whose largest number is `most`, in 0..=1: logarithmic.
-pub fn density_position(n: u32, most: u32) -> f32 {
-    if most == 0 { 0.0 } else { (n as f32).ln_1p() / (most as f32).ln_1p() }
+/// Where a number of boxes lies on the colour map of a density ([`Overlay::density_range`]), in 0..=1: logarithmic, from
+/// the fewest over any pixel on, since all pixels of a room share the boxes around it.
+pub fn density_position(n: u32, [fewest, most]: [u32; 2]) -> f32 {
+    let scale = |n: u32| (n.max(fewest) as f32).ln_1p() - (fewest as f32).ln_1p();
+    if most > fewest { (scale(n) / scale(most)).min(1.0) } else { 0.0 }
 }
 
 fn draw_tree(
     tree: &Tree,
-    costs: Costs,
+    shares: &[f32],
     frame: CameraFrame,
     settings: &OverlaySettings,
     depth: &[f32],
@@ -219,7 +221,7 @@ fn draw_tree(
     let (width, height) = (frame.size.x as u32, frame.size.y as u32);
     assert_eq!(depth.len(), width as usize * height as usize, "one distance a pixel");
     let projector = Projector::new(frame, &tree.bounds());
-    let selection = select(tree, costs, &projector, settings, task)?;
+    let selection = select(tree, shares, &projector, settings, task)?;
     let mut overlay = Overlay {
         image: RgbaImage::new(width, height),
         selected: selection.selected,
@@ -228,7 +230,7 @@ fn draw_tree(
         too_small: selection.too_small,
         over_budget: selection.over_budget,
         color_range: selection.color_range.filter(|_| settings.style != BoxStyle::Density),
-        density_max: None,
+        density_range: None,
     };
     if selection.boxes.is_empty() {
         return Ok(overlay);
@@ -239,7 +241,7 @@ fn draw_tree(
             draw_lines_and_sides(&canvas, &selection, settings, &mut overlay.image, task)?;
         }
         BoxStyle::Density => {
-            overlay.density_max = Some(draw_density(&canvas, &selection, &mut overlay.image, task)?);
+            overlay.density_range = Some(draw_density(&canvas, &selection, &mut overlay.image, task)?);
         }
     }
     Ok(overlay)
@@ -279,13 +281,13 @@ fn draw_lines_and_sides(
     )
 }
 
-/// Returns the most boxes over one pixel.
+/// Returns the fewest and the most boxes over one pixel.
 fn draw_density(
     canvas: &Canvas,
     selection: &Selection,
     image: &mut RgbaImage,
     task: &Task,
-) -> Result<u32, Cancelled> {
+) -> Result<[u32; 2], Cancelled> {
     let mut counts = vec![0u32; canvas.depth.len()];
     let bins = bin_by_band(canvas, &selection.boxes);
     let rows = canvas.width as usize * BAND_ROWS as usize;
@@ -302,21 +304,22 @@ fn draw_density(
             Ok(())
         },
     )?;
-    let most = counts.par_iter().copied().max().unwrap_or(0);
-    let colors: Vec<[u8; 4]> = (0..=most).map(|n| density_color(n, most)).collect();
+    let range = [counts.par_iter().min(), counts.par_iter().max()].map(|n| n.copied().unwrap_or(0));
+    let colors: Vec<[u8; 4]> = (0..=range[1]).map(|n| density_color(n, range)).collect();
     let pixels: &mut [[u8; 4]] = bytemuck::cast_slice_mut(image.as_mut());
     pixels.par_iter_mut().zip(&counts).for_each(|(pixel, &n)| *pixel = colors[n as usize]);
-    Ok(most)
+    Ok(range)
 }
 
-/// Premultiplied. One box is already told from none.
-fn density_color(n: u32, most: u32) -> [u8; 4] {
+/// Premultiplied; nothing where there is no box.
+fn density_color(n: u32, range: [u32; 2]) -> [u8; 4] {
     if n == 0 {
         return [0; 4];
     }
-    let [r, g, b] =
-        DENSITY_MAP.color(density_position(n, most)).map(|c| (f32::from(c) * DENSITY_ALPHA) as u8);
-    [r, g, b, (255.0 * DENSITY_ALPHA) as u8]
+    let t = density_position(n, range);
+    let alpha = DENSITY_ALPHA[0] + t * (DENSITY_ALPHA[1] - DENSITY_ALPHA[0]);
+    let [r, g, b] = DENSITY_MAP.color(t).map(|c| (f32::from(c) * alpha) as u8);
+    [r, g, b, (255.0 * alpha) as u8]
 }
 
 /// For each band of rows, the boxes that touch it, in their order.
@@ -377,8 +380,8 @@ mod tests {
     }
 
     fn draw(tree: &Tree, settings: &OverlaySettings, depth: &[f32]) -> Overlay {
-        let costs = Costs { traversal: 1.0, intersection: 1.0, total: 3.0 };
-        draw_tree(tree, costs, front_frame(), settings, depth, &Task::new()).expect("nobody cancels")
+        let shares = sah_shares(tree, 1.0, 1.0);
+        draw_tree(tree, &shares, front_frame(), settings, depth, &Task::new()).expect("nobody cancels")
     }
 
     fn alpha(overlay: &Overlay, x: u32, y: u32) -> u8 {
@@ -491,16 +494,24 @@ mod tests {
     fn density_counts_boxes_over_a_pixel() {
         let density = settings(BoxStyle::Density);
         let open = draw(&pair(), &density, &wall(50.0));
-        assert_eq!(open.density_max, Some(2), "the root and a leaf");
+        assert_eq!(open.density_range, Some([0, 2]), "the root and a leaf");
         assert_eq!(open.color_range, None);
         // Between the cubes there is only the root.
         let colors =
             [open.image.get_pixel(30, 50).0, open.image.get_pixel(50, 50).0, open.image.get_pixel(2, 2).0];
-        assert_eq!(colors, [density_color(2, 2), density_color(1, 2), [0; 4]]);
+        assert_eq!(colors, [density_color(2, [0, 2]), density_color(1, [0, 2]), [0; 4]]);
         let hidden = draw(&pair(), &density, &wall(2.0));
-        assert_eq!((hidden.density_max, painted(&hidden)), (Some(0), 0));
+        assert_eq!((hidden.density_range, painted(&hidden)), (Some([0, 0]), 0));
         let through = draw(&pair(), &OverlaySettings { show_hidden: true, ..density }, &wall(2.0));
         assert!(through.image == open.image);
+    }
+
+    #[test]
+    fn the_scale_of_a_density_begins_at_the_fewest() {
+        assert_eq!(density_position(4, [4, 80]), 0.0);
+        assert_eq!(density_position(80, [4, 80]), 1.0);
+        assert!(density_position(1, [0, 80]) > 0.1, "one box is told from none");
+        assert_eq!(density_position(5, [5, 5]), 0.0);
     }
 
     #[test]
@@ -510,9 +521,38 @@ mod tests {
             |color| draw(&pair(), &OverlaySettings { color, ..settings(BoxStyle::Wire) }, &far).color_range;
         assert_eq!(range(BoxColor::Depth), Some([0.0, 1.0]));
         assert_eq!(range(BoxColor::LeafSize), Some([1.0, 3.0]));
-        // The leaf with 3 shapes: 3 * 12 / (24 * 3). The root: 24 / (24 * 3).
+        // The root 24, the leaves 12 and 3 * 12.
         let share = range(BoxColor::SahShare).expect("shares are known")[1];
         assert!((share - 0.5).abs() < 1e-6, "{share}");
+    }
+
+    /// A tree of one level below the root, with boxes anywhere around the eye.
+    fn scattered(seed: u64) -> Tree {
+        use rand::{RngExt, SeedableRng};
+        let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+        let mut point =
+            |scale: f32| Vec3::from_array(std::array::from_fn(|_| scale * rng.random_range(-1.0..1.0)));
+        let boxes: Vec<Aabb> = (0..200).map(|_| Aabb::from_points([point(8.0)])).collect();
+        let boxes: Vec<Aabb> = boxes.iter().map(|b| b.grown(b.min + point(3.0))).collect();
+        let config = crate::accel::BuildConfig::default();
+        crate::accel::build(&boxes, &config, &Task::new()).expect("nobody cancels").0
+    }
+
+    #[test]
+    fn boxes_anywhere_around_the_eye_give_a_valid_picture() {
+        for seed in 0..6 {
+            let tree = scattered(seed);
+            for style in BoxStyle::ALL {
+                let open = OverlaySettings { show_hidden: true, ..settings(style) };
+                let [all, seen] = [open, settings(style)].map(|s| draw(&tree, &s, &wall(4.0)));
+                assert!(all.drawn > 50 && painted(&all) >= painted(&seen) && painted(&seen) > 0);
+                for (all, seen) in all.image.pixels().zip(seen.image.pixels()) {
+                    assert!(all.0[..3].iter().all(|&c| c <= all[3]), "premultiplied: {all:?}");
+                    // A density has a scale of its own.
+                    assert!(style == BoxStyle::Density || seen[3] <= all[3], "{seen:?} {all:?}");
+                }
+            }
+        }
     }
 
     #[test]
@@ -546,8 +586,7 @@ mod tests {
     fn a_cancelled_task_stops_it() {
         let task = Task::new();
         task.cancel();
-        let costs = Costs { traversal: 1.0, intersection: 1.0, total: 3.0 };
-        let drawn = draw_tree(&pair(), costs, front_frame(), &settings(BoxStyle::Wire), &wall(5.0), &task);
+        let drawn = draw_tree(&pair(), &[], front_frame(), &settings(BoxStyle::Wire), &wall(5.0), &task);
         assert!(matches!(drawn, Err(Cancelled)));
     }
 

@@ -43,18 +43,11 @@ pub struct Selection {
     pub color_range: Option<[f32; 2]>,
 }
 
-/// The two costs of the SAH, and the tree's cost under them (0 where it is not defined).
-#[derive(Clone, Copy, Debug)]
-pub struct Costs {
-    pub traversal: f32,
-    pub intersection: f32,
-    pub total: f32,
-}
-
-/// Picks the boxes that `settings` ask for.
+/// Picks the boxes that `settings` ask for. `shares`: each node's share of the SAH cost, in order of [`NodeId`](crate::accel::NodeId); looked
+/// at by [`BoxColor::SahShare`] alone.
 pub fn select(
     tree: &Tree,
-    costs: Costs,
+    shares: &[f32],
     projector: &Projector,
     settings: &OverlaySettings,
     task: &Task,
@@ -62,8 +55,7 @@ pub fn select(
     let Some([a, b]) = settings.depths else { return Ok(Selection::default()) };
     let depths = [a.min(b), a.max(b)];
     let mut selection = each_width!(tree, t => {
-        let root_area = t.bounds.half_area();
-        let walk = Walk { tree: t, costs, root_area, depths, projector, settings };
+        let walk = Walk { tree: t, shares, depths, projector, settings };
         walk.run(task)?
     });
     keep_largest(&mut selection, settings.budget as usize);
@@ -130,8 +122,7 @@ struct Found {
 
 struct Walk<'a, const N: usize> {
     tree: &'a WideBvh<N>,
-    costs: Costs,
-    root_area: f32,
+    shares: &'a [f32],
     depths: [u32; 2],
     projector: &'a Projector,
     settings: &'a OverlaySettings,
@@ -206,9 +197,9 @@ impl<const N: usize> Walk<'_, N> {
                         clipped,
                         depth,
                         size,
-                        value: self.value(child, &bounds, depth),
+                        value: self.value(child, depth),
                         distance2: eye.clamp(bounds.min, bounds.max).distance_squared(eye),
-                        node: child.0,
+                        node: self.node_id(child),
                     });
                 }
                 Fate::Open
@@ -227,17 +218,23 @@ impl<const N: usize> Walk<'_, N> {
         }
     }
 
-    fn value(&self, child: ChildRef, bounds: &Aabb, depth: u32) -> f32 {
-        let leaf_size = child.as_leaf().map(|leaf| self.tree.leaves[leaf as usize].count as f32);
+    fn value(&self, child: ChildRef, depth: u32) -> f32 {
         match self.settings.color {
             BoxColor::Depth => depth as f32,
-            BoxColor::LeafSize => leaf_size.unwrap_or(f32::NAN),
+            BoxColor::LeafSize => {
+                child.as_leaf().map_or(f32::NAN, |leaf_idx| self.tree.leaves[leaf_idx as usize].count as f32)
+            }
             BoxColor::SahShare => {
-                let cost = leaf_size.map_or(self.costs.traversal, |n| self.costs.intersection * n);
-                let share = cost * bounds.half_area() / (self.root_area * self.costs.total);
-                // Nothing to say of a box without area, nor in a tree without.
-                if share > 0.0 && share.is_finite() { share } else { f32::NAN }
+                let share = self.shares.get(self.node_id(child) as usize).copied().unwrap_or(0.0);
+                // A box without area has no place on a logarithmic scale.
+                if share > 0.0 { share } else { f32::NAN }
             }
         }
+    }
+
+    /// The number of [`NodeId`](crate::accel::NodeId).
+    fn node_id(&self, child: ChildRef) -> u32 {
+        let first_leaf = self.tree.nodes.len() as u32;
+        child.as_inner().or(child.as_leaf().map(|leaf_idx| first_leaf + leaf_idx)).unwrap_or(u32::MAX)
     }
 }
