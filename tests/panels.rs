@@ -278,6 +278,32 @@ fn the_heatmap_chooses_counter_rays_range_and_threshold() {
 }
 
 #[test]
+fn a_picture_of_light_is_developed() {
+    let mut program = Program::full(PanelKind::Heatmap, true);
+    program.session.view = View::Whitted;
+    let mut harness = program.harness([WIDTHS[0], HEIGHT]);
+    harness.get_by_role_and_label(Role::Slider, "Exposure").set_value_accesskit(2.0);
+    harness.get_by_label("Tone curve reinhard").click();
+    harness.run();
+    let display = harness.state().session.display;
+    assert_eq!((display.exposure, display.tonemap.name()), (2.0, "reinhard"));
+    assert!(harness.query_by_label_contains("95th percentile").is_none(), "light has no counts");
+}
+
+#[test]
+fn colour_maps_are_chosen_by_their_colours() {
+    let mut harness = panel(PanelKind::Heatmap);
+    harness.get_by_role_and_label(Role::ComboBox, "Colour map").click();
+    harness.run();
+    if let Some(picture) = picture(&mut harness) {
+        keep(&picture, "Heatmap-maps");
+    }
+    harness.get_by_label("viridis").click();
+    harness.run();
+    assert_eq!(harness.state().session.display.colormap.name(), "viridis");
+}
+
+#[test]
 fn a_held_range_is_said() {
     let mut program = Program::full(PanelKind::Heatmap, true);
     program.range_locked = true;

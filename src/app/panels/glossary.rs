@@ -104,6 +104,9 @@ glossary! {
     P99 "99th percentile" "99 of 100 pixels have at most this number."
     Maximum "Maximum" "The highest number of any pixel."
 
+    Exposure "Exposure" "In stops: each doubles or halves the light that the picture shows."
+    ToneCurve "Tone curve" "How light is mapped to what a display can show, after the exposure."
+
     // Cost
     SahInner "of inner nodes" "The traversal cost times the surface areas of all inner nodes, divided by the root's."
     SahLeaf "of leaves" "The intersection cost times the surface area and number of shapes of every leaf, divided by the root's area."

@@ -1,11 +1,11 @@
 //! What is counted for each pixel, how the counts are coloured, and what they add up to.
 
-use egui::{Color32, ComboBox, DragValue, Mesh, Rect, Sense, Shape, Ui, pos2, vec2};
+use egui::{Color32, ComboBox, DragValue, Mesh, Rect, Sense, Shape, Slider, SliderClamping, Ui, pos2, vec2};
 
 use crate::app::commands::Commands;
 use crate::app::view::AppView;
 use crate::inspect::histogram::Histogram;
-use crate::render::{ColorMap, CountKind, View, ViewClass};
+use crate::render::{ColorMap, CountKind, ToneMap, View, ViewClass};
 
 use super::glossary::Term;
 use super::numbers;
@@ -14,6 +14,7 @@ use super::widgets::{self, Figure};
 
 /// Most bars that are drawn; the histogram's bins are added up to them.
 const MOST_BARS: usize = 96;
+const EXPOSURES: std::ops::RangeInclusive<f32> = -8.0..=8.0;
 
 /// Where the range comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +47,7 @@ impl HeatmapPanel {
                 view.session.view.name()
             );
             widgets::caption(ui, view.palette, text);
+            development(ui, view, commands);
             under_mouse(ui, view);
             return;
         }
@@ -218,6 +220,30 @@ fn color_map(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 12.0), Sense::hover());
     paint_gradient(ui, rect, current);
     response.on_hover_text(current.description());
+}
+
+/// How light becomes colour, for pictures of light.
+fn development(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
+    if view.session.view.class() != ViewClass::Radiance {
+        return;
+    }
+    widgets::section(ui, "Light");
+    let display = view.session.display;
+    let mut exposure = display.exposure;
+    let slider = Slider::new(&mut exposure, EXPOSURES)
+        .clamping(SliderClamping::Edits)
+        .fixed_decimals(1)
+        .suffix(" EV")
+        .trailing_fill(false);
+    if widgets::slider(ui, Term::Exposure, slider).changed() {
+        commands.edit(move |s| s.display.exposure = exposure);
+    }
+    let describe = |t: ToneMap| (t.name(), t.description());
+    if let Some(tonemap) =
+        widgets::segmented(ui, Term::ToneCurve, Some(display.tonemap), &ToneMap::ALL, &describe)
+    {
+        commands.edit(move |s| s.display.tonemap = tonemap);
+    }
 }
 
 /// A colour map's name beside its colours. True if it was clicked.

@@ -270,16 +270,12 @@ fn time(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
         commands.push(Command::SetAnimating(!view.animating));
     }
     let mut time = view.session.time;
-    let changed = widgets::row(ui, Term::Time, |ui| {
-        ui.spacing_mut().interact_size.x = widgets::NUMBER_WIDTH;
-        ui.spacing_mut().slider_width = (ui.available_width() - widgets::NUMBER_WIDTH - 6.0).max(40.0);
-        let slider = Slider::new(&mut time, 0.0..=LONGEST)
-            .clamping(egui::SliderClamping::Edits)
-            .fixed_decimals(2)
-            .suffix(" s")
-            .trailing_fill(true);
-        ui.add(slider).accessible_name(Term::Time.label()).on_hover_text(Term::Time.text()).changed()
-    });
+    let slider = Slider::new(&mut time, 0.0..=LONGEST)
+        .clamping(egui::SliderClamping::Edits)
+        .fixed_decimals(2)
+        .suffix(" s")
+        .trailing_fill(true);
+    let changed = widgets::slider(ui, Term::Time, slider).changed();
     if changed {
         commands.edit(move |s| s.time = time);
     }

@@ -152,7 +152,7 @@ fn classes(ui: &mut Ui, view: &AppView) {
 
 /// Swatch, name, number of pixels, share.
 fn class_row(ui: &mut Ui, view: &AppView, class: ShadowClass, count: u64, total: u64) {
-    let size = vec2(ui.available_width(), widgets::FIGURE_HEIGHT);
+    let size = vec2(widgets::form_width(ui), widgets::FIGURE_HEIGHT);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let [r, g, b] = class.color();
     let swatch = egui::Rect::from_center_size(rect.left_center() + vec2(5.0, 0.0), vec2(10.0, 10.0));

@@ -31,6 +31,11 @@ const UNIT_WIDTH: f32 = 30.0;
 const CHANGE_WIDTH: f32 = 66.0;
 const GAP: f32 = 6.0;
 
+/// How wide a list of figures is: as wide as a row with an input, so that numbers stay near their labels.
+pub fn form_width(ui: &Ui) -> f32 {
+    ui.available_width().min(LABEL_WIDTH + GAP + MOST_INPUT_WIDTH)
+}
+
 /// Spacing that all panels share.
 pub fn set_spacing(ui: &mut Ui) {
     let spacing = ui.spacing_mut();
@@ -134,7 +139,7 @@ pub fn row<R>(ui: &mut Ui, term: Term, contents: impl FnOnce(&mut Ui) -> R) -> R
     .inner
 }
 
-/// A slider with its number on the right.
+/// A slider over whole numbers.
 pub fn integer_slider(
     ui: &mut Ui,
     term: Term,
@@ -142,12 +147,7 @@ pub fn integer_slider(
     range: RangeInclusive<usize>,
     logarithmic: bool,
 ) -> Response {
-    row(ui, term, |ui| {
-        ui.spacing_mut().interact_size.x = NUMBER_WIDTH;
-        ui.spacing_mut().slider_width = (ui.available_width() - NUMBER_WIDTH - GAP).max(40.0);
-        let slider = Slider::new(value, range).logarithmic(logarithmic).trailing_fill(true);
-        ui.add(slider).accessible_name(term.label()).on_hover_text(term.text())
-    })
+    slider(ui, term, Slider::new(value, range).logarithmic(logarithmic).trailing_fill(true))
 }
 
 /// A number field in a row of its own.
@@ -162,6 +162,15 @@ pub fn number(ui: &mut Ui, term: Term, field: DragValue<'_>) -> Response {
 pub fn named_number(ui: &mut Ui, term: Term, field: DragValue<'_>) -> Response {
     ui.spacing_mut().interact_size.x = NUMBER_WIDTH;
     ui.add(field).accessible_name(term.label()).on_hover_text(term.text())
+}
+
+/// A slider with its number on the right.
+pub fn slider(ui: &mut Ui, term: Term, slider: Slider<'_>) -> Response {
+    row(ui, term, |ui| {
+        ui.spacing_mut().interact_size.x = NUMBER_WIDTH;
+        ui.spacing_mut().slider_width = (ui.available_width() - NUMBER_WIDTH - GAP).max(40.0);
+        ui.add(slider).accessible_name(term.label()).on_hover_text(term.text())
+    })
 }
 
 /// A switch. True if it was flipped.
@@ -314,8 +323,7 @@ impl<'a> Figure<'a> {
     }
 
     pub fn show(self, ui: &mut Ui, palette: &Palette) -> Response {
-        let (rect, response) =
-            ui.allocate_exact_size(vec2(ui.available_width(), FIGURE_HEIGHT), Sense::hover());
+        let (rect, response) = ui.allocate_exact_size(vec2(form_width(ui), FIGURE_HEIGHT), Sense::hover());
         let (small, body, mono) = (small_font(ui), body_font(ui), number_font(ui));
         let mut right = rect.right();
         if let Some((change, better)) = &self.change {
