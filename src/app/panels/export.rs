@@ -170,7 +170,7 @@ impl ExportPanel {
             }
             let edit = TextEdit::singleline(&mut text)
                 .desired_width(ui.available_width())
-                .vertical_align(Align::Center)
+                .align(egui::Align2::LEFT_CENTER)
                 .hint_text(format!("path of the {name}"));
             let field = ui.add(edit).accessible_name(format!("Path of the {name}"));
             if field.changed() {

@@ -304,7 +304,7 @@ fn range_fields(ui: &mut Ui, view: &AppView, shown: Option<[f32; 2]>, commands: 
 
 /// The histogram's counts over another domain that covers its own.
 fn rebinned(histogram: &Histogram, domain: [f64; 2]) -> Vec<[f64; 2]> {
-    let n = histogram.counts.len().min(MOST_BARS).max(1);
+    let n = histogram.counts.len().clamp(1, MOST_BARS);
     let mut bars = vec![[0.0; 2]; n];
     let [lo, hi] = histogram.range.map(f64::from);
     let width = (hi - lo) / histogram.counts.len().max(1) as f64;

@@ -47,7 +47,7 @@ impl ScenePanel {
         ui.horizontal(|ui| {
             let edit = TextEdit::singleline(&mut self.open_text)
                 .hint_text("path or name")
-                .vertical_align(egui::Align::Center)
+                .align(egui::Align2::LEFT_CENTER)
                 .desired_width(ui.available_width() - 56.0);
             let field =
                 ui.add(edit).accessible_name(Term::OpenPath.label()).on_hover_text(Term::OpenPath.text());
