@@ -159,8 +159,8 @@ impl Triangle {
 mod tests {
     use rand::RngExt;
 
-    use super::super::Shape;
-    use super::super::checks::{check_shape, hit, random_direction, random_vec, rng};
+    use super::super::checks::{check_shape, hit, random_direction, random_vec, rng, unit_square};
+    use super::super::{Shape, Slabs};
     use super::*;
 
     fn triangle(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> Triangle {
@@ -265,5 +265,26 @@ mod tests {
                 assert!(fan.iter().any(|t| t.intersect(&ray).is_some()), "{fan:?} {ray:?}");
             }
         }
+    }
+
+    /// Rays that all but lie in the triangle's plane, which they cross anywhere: what makes a tree and a test of every
+    /// triangle disagree unless hits are confined.
+    #[test]
+    fn a_hit_lies_in_the_triangles_own_box_however_flat_the_ray() {
+        let rng = &mut rng(12);
+        let mut hits = 0;
+        for _ in 0..50_000 {
+            let t = Triangle { v: std::array::from_fn(|_| random_vec(rng, 2.0)) };
+            let inside = |rng: &mut _| t.sample(unit_square(rng)).position;
+            let (p, q) = (inside(rng), inside(rng));
+            let origin = p + (p - q) * rng.random_range(0.0..20.0);
+            let ray = PreparedRay::new(Ray::new(origin, q - origin));
+            if let Some(found) = t.intersect(&ray) {
+                let (enter, leave) = Slabs::new(&ray, &t.bounds()).interval(&t.bounds());
+                assert!(enter <= found.t && found.t <= leave, "{t:?} {ray:?} {found:?}");
+                hits += 1;
+            }
+        }
+        assert!(hits > 1000, "only {hits} of these rays hit");
     }
 }

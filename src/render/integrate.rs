@@ -6,11 +6,12 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::film::{Film, FilmContent, FilmSubject, RenderSettings};
-use super::observer::CountRays;
+use super::observer::{CountRays, RayKind, RayObserver};
 use super::pass::Pass;
 use super::path::{self, Estimator};
 use super::sampler::scramble;
 use super::shadow::{self, ShadowQuery};
+use super::tonemap::srgb_decode;
 use super::views::{Counter, View};
 use super::whitted::Whitted;
 use crate::accel::RayCounters;
@@ -127,8 +128,8 @@ fn colors(
         ),
         View::Whitted => whitted_frame(pass, size, task, finished),
         View::Albedo => surface(albedo),
-        View::Normal => surface(|_, surface| 0.5 * surface.shading_normal + 0.5),
-        View::ShapeId => surface(|_, surface| shape_color(surface.shape)),
+        View::Normal => surface(|_, surface| shown_as(0.5 * surface.shading_normal + 0.5)),
+        View::ShapeId => surface(|_, surface| shown_as(shape_color(surface.shape))),
         View::ShadowIntersect => shadow(ShadowQuery::Intersect),
         View::ShadowOccluded => shadow(ShadowQuery::Occluded),
         View::ShadowFiltered => shadow(ShadowQuery::Filtered),
@@ -200,16 +201,15 @@ pub(super) fn whitted_frame(
 
 /// Counts the rays of one sample of one pixel. Traces no more than it must.
 #[inline]
-pub(super) fn count_pixel(
+pub(super) fn count_pixel<'t>(
     pass: &Pass,
     whitted: &mut Whitted,
-    mut rays: CountRays,
+    mut rays: CountRays<'t>,
     x: u32,
     y: u32,
-) -> CountRays {
+) -> CountRays<'t> {
     let ray = pass.camera_ray(x, y);
     if rays.counts_camera_rays_alone() {
-        use super::observer::{RayKind, RayObserver};
         pass.world.intersect(&ray, rays.begin(RayKind::Camera, &ray));
         rays.end();
     } else {
@@ -236,6 +236,11 @@ fn albedo(pass: &Pass, surface: &Surface) -> Vec3 {
             material.color_at(surface.uv, &scene.images)
         }
     }
+}
+
+/// The linear colour that a display shows as these codes (in 0..=1): what is no light is not to be encoded as light.
+fn shown_as(codes: Vec3) -> Vec3 {
+    Vec3::from_array(codes.to_array().map(srgb_decode))
 }
 
 /// A colour for a shape index: far apart for neighbouring indices, never dark.

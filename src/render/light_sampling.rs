@@ -15,9 +15,6 @@ use crate::scene::{Light, MaterialKind, Scene, Surface};
 /// The share of picks that the sky gets beside other lights. Small: it is everywhere, and scattered rays find it.
 const SKY_SHARE: f64 = 0.25;
 
-/// What the computed t of a light may be off by, relative: 16 roundings.
-const SHADOW_RAY_ROUNDING: f32 = 8.0 * f32::EPSILON;
-
 /// A scene's lights with the probability of picking each, in proportion to its power. Made in one pass over the lights.
 #[derive(Clone, Debug)]
 pub struct LightTable<'s> {
@@ -41,7 +38,7 @@ pub struct LightSample {
     pub pdf: f32,
     /// Whether a scattered ray can find this light, too.
     pub can_be_hit: bool,
-    /// From the receiver's surface to just before the light.
+    /// From the receiver's surface to just before the light. Its direction is not of unit length.
     pub shadow_ray: Ray,
 }
 
@@ -201,9 +198,8 @@ impl LightSample {
 
 impl LightPoint {
     fn seen_from(self, to: &Surface, radiance: Vec3, can_be_hit: bool) -> Option<LightSample> {
-        let direction = (self.point.position - to.position).normalize();
-        let target = pushed_out(&self.point);
-        let shadow_ray = shadow_ray(to, direction, target)?;
+        let direction = (self.point.position - to.position).try_normalize()?;
+        let shadow_ray = self.point.ray_from(to.ray_origin(direction));
         self.pdf.is_finite().then_some(LightSample {
             direction,
             radiance,
@@ -238,7 +234,8 @@ fn sample_point(position: Vec3, intensity: Vec3, to: &Surface) -> Option<LightSa
     let way = position - to.position;
     let distance2 = way.length_squared();
     let direction = way.try_normalize()?;
-    let shadow_ray = shadow_ray(to, direction, position)?;
+    let origin = to.ray_origin(direction);
+    let shadow_ray = Ray { origin, direction: position - origin, t_min: 0.0, t_max: 1.0 };
     let radiance = intensity / distance2;
     Some(LightSample { direction, radiance, pdf: 1.0, can_be_hit: false, shadow_ray })
 }
@@ -295,19 +292,4 @@ fn cone_point(sphere: &Sphere, from: Vec3, u: Vec2) -> Option<LightPoint> {
     let error = (sphere.center.abs() + Vec3::splat(6.0 * sphere.radius)) * f32::EPSILON;
     let point = SurfaceSample { position, error, normal, uv: Vec2::ZERO };
     Some(LightPoint { point, pdf: cone.pdf })
-}
-
-/// The point moved out of its surface by its error bound, so that a way to it ends before the surface.
-fn pushed_out(sample: &SurfaceSample) -> Vec3 {
-    let bound = sample.error.dot(sample.normal.abs()) + f32::EPSILON * sample.position.abs().max_element();
-    sample.position + bound * sample.normal
-}
-
-/// The ray to ask whether the way to `target` is free; `None` where the two are at the same place.
-fn shadow_ray(to: &Surface, direction: Vec3, target: Vec3) -> Option<Ray> {
-    let origin = to.ray_origin(direction);
-    let way = target - origin;
-    let distance = way.length();
-    let direction = way.try_normalize()?;
-    Some(Ray { origin, direction, t_min: 0.0, t_max: distance * (1.0 - SHADOW_RAY_ROUNDING) })
 }

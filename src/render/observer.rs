@@ -1,7 +1,8 @@
 //! Who looks on while an integrator traces rays: nobody, a counter, or a recorder. One walk of the ray tree for all.
 
-use crate::accel::{Probe, RayCounters};
-use crate::geometry::Ray;
+use crate::accel::traverse::hits_root;
+use crate::accel::{Probe, RayCounters, Tree};
+use crate::geometry::{PreparedRay, Ray};
 
 use super::views::CountKind;
 
@@ -50,23 +51,26 @@ impl RayObserver for () {
 
 /// Adds up the counters of the rays of some kinds.
 #[derive(Clone, Debug)]
-pub struct CountRays {
+pub struct CountRays<'t> {
     count: CountKind,
+    /// To tell which rays miss its root.
+    tree: Option<&'t Tree>,
     counting: bool,
     current: RayCounters,
     /// Sums over the counted rays.
     pub counters: RayCounters,
     pub ray_count: u64,
-    /// Rays that visited nothing, as the root is visited whenever its box is hit.
+    /// Rays that miss the root's box; counted by [`CountRays::at_root`] alone.
     pub missed_root_count: u64,
     /// Sum of the squares of the leaf visits.
     pub squared_leaf_visits: u64,
 }
 
-impl CountRays {
+impl<'t> CountRays<'t> {
     pub fn new(count: CountKind) -> Self {
         Self {
             count,
+            tree: None,
             counting: false,
             current: RayCounters::default(),
             counters: RayCounters::default(),
@@ -74,6 +78,11 @@ impl CountRays {
             missed_root_count: 0,
             squared_leaf_visits: 0,
         }
+    }
+
+    /// Looks at which rays miss the root's box of `tree`, too.
+    pub fn at_root(count: CountKind, tree: &'t Tree) -> Self {
+        Self { tree: Some(tree), ..Self::new(count) }
     }
 
     /// Whether rays after the camera ray need not be traced.
@@ -93,13 +102,16 @@ impl CountRays {
     }
 }
 
-impl RayObserver for CountRays {
+impl RayObserver for CountRays<'_> {
     type Probe = RayCounters;
 
     #[inline]
-    fn begin(&mut self, kind: RayKind, _: &Ray) -> &mut RayCounters {
+    fn begin(&mut self, kind: RayKind, ray: &Ray) -> &mut RayCounters {
         self.counting = self.count.includes(kind);
         self.current = RayCounters::default();
+        if self.counting && self.tree.is_some_and(|tree| !hits_root(tree, &PreparedRay::new(*ray))) {
+            self.missed_root_count += 1;
+        }
         &mut self.current
     }
 
@@ -108,7 +120,6 @@ impl RayObserver for CountRays {
         if self.counting {
             self.counters += self.current;
             self.ray_count += 1;
-            self.missed_root_count += u64::from(self.current.nodes_visited() == 0);
             self.squared_leaf_visits += self.current.leaf_visits * self.current.leaf_visits;
         }
     }
@@ -134,7 +145,6 @@ mod tests {
                 observer.end();
             }
             assert_eq!(observer.counters.leaf_visits, expected);
-            assert_eq!(observer.missed_root_count, 0);
             assert_eq!(observer.ray_count, if count == CountKind::All { 3 } else { 1 });
         }
     }
