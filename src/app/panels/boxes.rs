@@ -119,11 +119,11 @@ fn depth_range(ui: &mut Ui, view: &AppView, deepest: u32, commands: &mut Command
 
 fn level_tooltip(ui: &mut Ui, depth: usize, level: &DepthLevel) {
     ui.strong(format!("Depth {depth}"));
-    ui.label(format!("{} inner nodes", numbers::count(level.inner_count as u64)));
+    ui.label(format!("{} inner nodes", numbers::count(level.inner_count)));
     ui.label(format!(
         "{} leaves with {} references",
-        numbers::count(level.leaf_count as u64),
-        numbers::count(level.reference_count as u64)
+        numbers::count(level.leaf_count),
+        numbers::count(level.reference_count)
     ));
 }
 
@@ -161,7 +161,7 @@ fn depth_fields(ui: &mut Ui, depths: Option<[u32; 2]>, deepest: u32, commands: &
 fn drawn(ui: &mut Ui, view: &AppView) {
     let Some(overlay) = view.overlay.filter(|_| view.session.overlay.depths.is_some()) else { return };
     widgets::section(ui, "In the picture");
-    let count = |n: usize| numbers::count(n as u64);
+    let count = |n: usize| numbers::count(n);
     Figure::new(Term::Selected, count(overlay.selected)).show(ui, view.palette);
     Figure::new(Term::Drawn, count(overlay.drawn)).show(ui, view.palette);
     for (term, n) in [(Term::Outside, overlay.outside), (Term::TooSmall, overlay.too_small)] {

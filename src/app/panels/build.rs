@@ -1,9 +1,8 @@
-//! Which tree is built, how the build went, and the builds before it.
+//! Which tree is built, and how the build went.
 
-use egui::accesskit::Role;
-use egui::{Color32, DragValue, Rect, Sense, Ui, WidgetInfo, vec2};
-use egui_plot::{Line, PlotPoints, Points};
 use std::time::Duration;
+
+use egui::{DragValue, Ui};
 
 use crate::accel::{BuildConfig, Builder, StopRule, Widen, Width};
 use crate::app::commands::{Command, Commands};
@@ -11,57 +10,20 @@ use crate::app::view::{AppView, HistoryEntry};
 use crate::inspect::columns::Better;
 use crate::world::World;
 
-use super::chart::{Axis, Chart};
 use super::glossary::Term;
+use super::history::History;
 use super::numbers;
 use super::widgets::{self, Figure};
 
 /// A build that takes longer shows its progress.
 const SLOW: Duration = Duration::from_millis(200);
 
-/// What the history's plot shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Quantity {
-    BuildTime,
-    #[default]
-    SahCost,
-    NodesVisited,
-}
-
-impl Quantity {
-    const ALL: [Self; 3] = [Self::BuildTime, Self::SahCost, Self::NodesVisited];
-
-    fn term(self) -> Term {
-        match self {
-            Self::BuildTime => Term::BuildTime,
-            Self::SahCost => Term::SahCost,
-            Self::NodesVisited => Term::NodesVisited,
-        }
-    }
-
-    fn short_name(self) -> &'static str {
-        match self {
-            Self::BuildTime => "Build, ms",
-            Self::SahCost => "SAH cost",
-            Self::NodesVisited => "Visited",
-        }
-    }
-
-    fn of(self, entry: &HistoryEntry) -> Option<f64> {
-        match self {
-            Self::BuildTime => Some(entry.build_ms),
-            Self::SahCost => entry.sah_cost,
-            Self::NodesVisited => entry.nodes_visited_mean,
-        }
-    }
-}
-
 /// View state of the Build panel.
 #[derive(Default)]
 pub struct BuildPanel {
     /// Whether a slider is held down.
     held: bool,
-    quantity: Quantity,
+    history: History,
 }
 
 impl BuildPanel {
@@ -73,7 +35,7 @@ impl BuildPanel {
         costs(ui, &config, commands);
         status(ui, view, commands);
         report(ui, view);
-        self.history(ui, view, commands);
+        self.history.ui(ui, view, commands);
     }
 
     fn sliders(&mut self, ui: &mut Ui, config: &BuildConfig, commands: &mut Commands) {
@@ -99,24 +61,6 @@ impl BuildPanel {
             commands.push(Command::HoldRange(false));
         }
         self.held = held;
-    }
-
-    fn history(&mut self, ui: &mut Ui, view: &AppView, commands: &mut Commands) {
-        widgets::term_section(ui, Term::History);
-        if view.history.is_empty() {
-            widgets::caption(ui, view.palette, "None yet.");
-            return;
-        }
-        let describe = |q: Quantity| (q.short_name(), q.term().text());
-        if let Some(quantity) =
-            widgets::segments(ui, Term::History, Some(self.quantity), &Quantity::ALL, &describe)
-        {
-            self.quantity = quantity;
-        }
-        let clicked = history_plot(ui, view, self.quantity).or_else(|| history_list(ui, view));
-        if let Some(config) = clicked {
-            commands.edit(move |s| *s.build_mut() = config);
-        }
     }
 }
 
@@ -243,7 +187,7 @@ fn report(ui: &mut Ui, view: &AppView) {
     let nodes = Some(figures.node_count as f64);
     figure(
         Term::Nodes,
-        numbers::count(figures.node_count as u64),
+        numbers::count(figures.node_count),
         change(nodes, |e| Some(e.node_count as f64)),
         Better::Lower,
     )
@@ -251,12 +195,12 @@ fn report(ui: &mut Ui, view: &AppView) {
     let leaves = Some(figures.leaf_count as f64);
     figure(
         Term::Leaves,
-        numbers::count(figures.leaf_count as u64),
+        numbers::count(figures.leaf_count),
         change(leaves, |e| Some(e.leaf_count as f64)),
         Better::Neither,
     )
     .show(ui, p);
-    let references = numbers::count(figures.reference_count as u64);
+    let references = numbers::count(figures.reference_count);
     Figure::new(Term::References, references).unit("").change(None, None, Better::Neither).show(ui, p);
     let deepest = figures.depth_max.map(f64::from);
     figure(
@@ -294,151 +238,6 @@ fn phases(ui: &mut Ui, view: &AppView, world: &World) {
 fn before(history: &[HistoryEntry]) -> Option<&HistoryEntry> {
     let [.., before, newest] = history else { return None };
     (before.scene == newest.scene).then_some(before)
-}
-
-/// The settings of the build that was clicked.
-fn history_plot(ui: &mut Ui, view: &AppView, quantity: Quantity) -> Option<BuildConfig> {
-    let points: Vec<[f64; 2]> =
-        view.history.iter().filter_map(|e| Some([e.number as f64, quantity.of(e)?])).collect();
-    let (first, last) = (view.history.first()?.number as f64, view.history.last()?.number as f64);
-    let current = view.history.last().and_then(|e| Some([e.number as f64, quantity.of(e)?]));
-    let chart = Chart {
-        label: quantity.term().label(),
-        height: 124.0,
-        x: Axis::integers(first, last.max(first + 7.0), 8).labelled("build"),
-        y: Axis::around(points.iter().map(|p| p[1])),
-        clickable: true,
-    };
-    let (accent, second) = (view.palette.accent, view.palette.second);
-    let shown = chart.show(ui, view.palette, move |plot| {
-        plot.line(
-            Line::new("builds", PlotPoints::from(points.clone()))
-                .color(accent.gamma_multiply(0.6))
-                .width(1.0)
-                .allow_hover(false),
-        );
-        plot.points(
-            Points::new("build", PlotPoints::from(points)).color(accent).radius(2.5).allow_hover(false),
-        );
-        if let Some(current) = current {
-            plot.points(
-                Points::new("newest", PlotPoints::from(vec![current]))
-                    .color(second)
-                    .radius(3.5)
-                    .allow_hover(false),
-            );
-        }
-    });
-    let number = shown.hover?.x.round();
-    let entry = view.history.iter().find(|e| e.number as f64 == number)?;
-    let clicked = shown.response.clicked();
-    shown.response.on_hover_ui_at_pointer(|ui| entry_tooltip(ui, entry));
-    clicked.then_some(entry.config)
-}
-
-fn entry_tooltip(ui: &mut Ui, entry: &HistoryEntry) {
-    ui.strong(format!("Build {}", entry.number));
-    ui.label(summary(&entry.config));
-    ui.label(format!("{}, {} ms", entry.scene, numbers::decimal(entry.build_ms, 2)));
-    ui.label(format!(
-        "SAH cost {}, nodes visited {}",
-        numbers::decimal(entry.sah_cost, 2),
-        numbers::decimal(entry.nodes_visited_mean, 2)
-    ));
-    ui.label("Click to return to these settings.");
-}
-
-/// Newest first. The settings of the build that was clicked.
-fn history_list(ui: &mut Ui, view: &AppView) -> Option<BuildConfig> {
-    let mut clicked = None;
-    let width = ui.available_width();
-    let columns = list_columns(width);
-    list_line(ui, view, Sense::hover(), columns, None);
-    let rows = view.history.len();
-    let height = widgets::FIGURE_HEIGHT;
-    egui::ScrollArea::vertical().id_salt("history").max_height(8.0 * height).show(ui, |ui| {
-        ui.spacing_mut().item_spacing.y = 0.0;
-        for i in (0..rows).rev() {
-            let entry = &view.history[i];
-            if list_line(ui, view, Sense::click(), columns, Some(entry)) {
-                clicked = Some(entry.config);
-            }
-        }
-    });
-    clicked
-}
-
-/// Right edges of the three figures' columns, from the right.
-fn list_columns(width: f32) -> [f32; 3] {
-    let each = (0.17 * width).clamp(46.0, 80.0);
-    [8.0, 8.0 + each, 8.0 + 2.0 * each]
-}
-
-/// The heading (`None`) or a build. True if it was clicked.
-fn list_line(
-    ui: &mut Ui,
-    view: &AppView,
-    sense: Sense,
-    columns: [f32; 3],
-    entry: Option<&HistoryEntry>,
-) -> bool {
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), widgets::FIGURE_HEIGHT), sense);
-    let muted = view.palette.muted;
-    let cell = |right: f32, width: f32| {
-        Rect::from_x_y_ranges(rect.right() - right - width..=rect.right() - right, rect.y_range())
-    };
-    let width = columns[1] - columns[0] - 4.0;
-    let left =
-        Rect::from_x_y_ranges(rect.left() + 4.0..=rect.right() - columns[2] - width - 6.0, rect.y_range());
-    let Some(entry) = entry else {
-        let font = widgets::small_font(ui);
-        widgets::paint_text(ui, left, widgets::Side::Left, "Settings", font.clone(), muted);
-        for (quantity, right) in Quantity::ALL.into_iter().rev().zip(columns) {
-            let name = quantity.short_name();
-            widgets::paint_text(ui, cell(right, width), widgets::Side::Right, name, font.clone(), muted);
-        }
-        return false;
-    };
-    let current = view.history.last().is_some_and(|e| e.number == entry.number);
-    paint_row(ui, rect, &response, current);
-    let color = if current { view.palette.accent } else { ui.visuals().text_color() };
-    let text = summary(&entry.config);
-    widgets::paint_text(ui, left, widgets::Side::Left, &text, widgets::body_font(ui), color);
-    let mut font = widgets::number_font(ui);
-    font.size -= 1.0;
-    for (quantity, right) in Quantity::ALL.into_iter().rev().zip(columns) {
-        let value = quantity.of(entry).map_or(numbers::DASH.to_owned(), compact);
-        widgets::paint_text(ui, cell(right, width), widgets::Side::Right, &value, font.clone(), color);
-    }
-    response.widget_info(|| {
-        WidgetInfo::selected(Role::Button, true, current, format!("Build {}: {text}", entry.number))
-    });
-    let clicked = response.clicked();
-    response.on_hover_ui(|ui| entry_tooltip(ui, entry));
-    clicked
-}
-
-fn paint_row(ui: &Ui, rect: Rect, response: &egui::Response, selected: bool) {
-    let fill = if selected {
-        ui.visuals().selection.bg_fill.gamma_multiply(0.35)
-    } else if response.hovered() || response.has_focus() {
-        ui.visuals().widgets.hovered.weak_bg_fill
-    } else {
-        Color32::TRANSPARENT
-    };
-    ui.painter().rect_filled(rect, 2.0, fill);
-}
-
-/// Five digits at most, so that it fits a narrow column.
-fn compact(x: f64) -> String {
-    let decimals = if x.abs() >= 1000.0 {
-        0
-    } else if x.abs() >= 100.0 {
-        1
-    } else {
-        2
-    };
-    numbers::decimal(x, decimals)
 }
 
 #[cfg(test)]

@@ -117,7 +117,6 @@ impl Chart<'_> {
         let (x_text, y_text) = (self.x.text, self.y.text);
         let font = small_font(ui);
         let x_label = RichText::new(self.x.label).font(font.clone()).color(palette.muted);
-        ui.spacing_mut().item_spacing.y = 5.0;
         let mut plot = Plot::new(self.label)
             .height(self.height)
             .allow_zoom(false)

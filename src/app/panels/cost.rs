@@ -108,7 +108,7 @@ impl CostPanel {
         let mut clicked = None;
         for (kind, _) in Curve::ALL.into_iter().zip(self.curves).filter(|(_, shown)| *shown) {
             if !curve.points.is_empty() {
-                clicked = clicked.or(bin_chart(ui, view, kind));
+                clicked = bin_chart(ui, view, kind).or(clicked);
             }
         }
         if let Some(bins) = clicked {
@@ -247,8 +247,8 @@ fn leaf_sizes(ui: &mut Ui, palette: &Palette, world: &World) {
     if let Some((i, n)) = bar_under(shown.hover, 1).and_then(|i| Some((i, sizes.get(i + 1)?))) {
         let text = format!(
             "{} of {} leaves hold {}",
-            numbers::count(*n as u64),
-            numbers::count(world.figures.leaf_count as u64),
+            numbers::count(*n),
+            numbers::count(world.figures.leaf_count),
             if i == 0 { "1 shape".to_owned() } else { format!("{} shapes", i + 1) }
         );
         shown.response.on_hover_text_at_pointer(text);

@@ -7,6 +7,7 @@ mod cost;
 mod export;
 mod glossary;
 mod heatmap;
+mod history;
 mod numbers;
 mod range_bars;
 mod scene;

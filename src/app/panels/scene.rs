@@ -162,8 +162,8 @@ fn loaded(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
         )
     });
     Figure::new(Term::Bounds, size).show(ui, palette);
-    Figure::new(Term::Materials, numbers::count(scene.materials.len() as u64)).show(ui, palette);
-    Figure::new(Term::Lights, numbers::count(scene.lights.len() as u64)).show(ui, palette);
+    Figure::new(Term::Materials, numbers::count(scene.materials.len())).show(ui, palette);
+    Figure::new(Term::Lights, numbers::count(scene.lights.len())).show(ui, palette);
     if !view.scene_warnings.is_empty() {
         widgets::notice(ui, palette.warning, Term::Warnings.label()).on_hover_text(Term::Warnings.text());
         for warning in view.scene_warnings {
@@ -179,7 +179,7 @@ fn world_size(world: &World) -> Option<glam::Vec3> {
 
 fn shape_figures(ui: &mut Ui, view: &AppView, scene: &Scene) {
     let total = scene.shape_count();
-    Figure::new(Term::Shapes, numbers::count(total as u64)).show(ui, view.palette);
+    Figure::new(Term::Shapes, numbers::count(total)).show(ui, view.palette);
     let others = [
         (ShapeKind::Sphere, scene.spheres.len()),
         (ShapeKind::Cuboid, scene.cuboids.len()),
@@ -195,11 +195,11 @@ fn shape_figures(ui: &mut Ui, view: &AppView, scene: &Scene) {
             ShapeKind::Quad => Term::Quads,
             ShapeKind::Torus => Term::Tori,
         };
-        Figure::new(term, numbers::count(n as u64)).part().show(ui, view.palette);
+        Figure::new(term, numbers::count(n)).part().show(ui, view.palette);
     }
     let planes = scene.planes.len() + usize::from(scene.ground.is_some());
     if planes > 0 {
-        Figure::new(Term::Planes, numbers::count(planes as u64)).show(ui, view.palette);
+        Figure::new(Term::Planes, numbers::count(planes)).show(ui, view.palette);
     }
 }
 

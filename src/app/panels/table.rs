@@ -1,7 +1,10 @@
 //! Five trees side by side: one column a tree, one row a figure, the best of each row marked.
 
 use egui::accesskit::Role;
-use egui::{Align, Button, Layout, Rect, RichText, ScrollArea, Sense, TextWrapMode, Ui, WidgetInfo, vec2};
+use egui::{
+    Align, Button, Color32, FontId, Layout, Rect, RichText, ScrollArea, Sense, TextWrapMode, Ui, WidgetInfo,
+    vec2,
+};
 use egui_extras::{Column as Cell, TableBuilder};
 
 use crate::accel::BuildConfig;
@@ -18,8 +21,6 @@ use super::widgets::{self, Side};
 
 const ROW_HEIGHT: f32 = 20.0;
 const LABEL_WIDTH: f32 = 116.0;
-/// The least width of a tree's column.
-const LEAST_WIDTH: f32 = 78.0;
 const MOST_WIDTH: f32 = 130.0;
 /// Between two columns.
 const BETWEEN: f32 = 4.0;
@@ -84,7 +85,7 @@ fn what_was_measured(ui: &mut Ui, view: &AppView, rows: &[TreeStats]) {
     let text = format!(
         "{}, {} shapes, {} × {} pixels, {} rays of a Whitted frame",
         first.scene,
-        numbers::count(first.shape_count as u64),
+        numbers::count(first.shape_count),
         first.settings.width,
         first.settings.height,
         numbers::count(first.rays.ray_count)
@@ -104,7 +105,8 @@ fn shown_columns(rows: &[TreeStats]) -> Vec<&'static Column> {
 fn figures(ui: &mut Ui, view: &AppView, rows: &[TreeStats], commands: &mut Commands) {
     let columns = shown_columns(rows);
     let room = ui.available_width() - LABEL_WIDTH;
-    let width = (room / rows.len().max(1) as f32 - BETWEEN).clamp(LEAST_WIDTH, MOST_WIDTH);
+    let least = widest(ui, rows, &columns);
+    let width = (room / rows.len().max(1) as f32 - BETWEEN).min(MOST_WIDTH).max(least);
     let mut chosen = None;
     ui.add_space(4.0);
     ui.horizontal_top(|ui| {
@@ -124,6 +126,17 @@ fn figures(ui: &mut Ui, view: &AppView, rows: &[TreeStats], commands: &mut Comma
     if let Some(config) = chosen {
         use_tree(config, commands);
     }
+}
+
+/// How wide a tree's column must be for none of its texts to be cut.
+fn widest(ui: &Ui, rows: &[TreeStats], columns: &[&'static Column]) -> f32 {
+    let width = |text: String, font: &FontId| {
+        ui.painter().layout_no_wrap(text, font.clone(), Color32::WHITE).size().x
+    };
+    let (mono, body) = (widgets::number_font(ui), widgets::body_font(ui));
+    let cells = columns.iter().flat_map(|c| rows.iter().map(|row| width(c.shown(row), &mono)));
+    let names = rows.iter().map(|row| width(row.name.clone(), &body));
+    cells.chain(names).fold(0.0, f32::max) + 10.0
 }
 
 /// The columns of numbers. The settings of the tree whose name was clicked.
