@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use bvhscope::accel::BuildConfig;
 use bvhscope::app::commands::{Command, Commands, SaveTarget};
-use bvhscope::app::jobs::shadow;
 use bvhscope::app::panels::{PanelKind, Panels};
 use bvhscope::app::theme::{self, Palette};
 use bvhscope::app::view::{
@@ -14,6 +13,7 @@ use bvhscope::app::view::{
 };
 use bvhscope::inspect::bin_sweep::measure_bins;
 use bvhscope::inspect::histogram::Histogram;
+use bvhscope::inspect::shadow_difference::{ClassCounts, shadow_nodes_mean};
 use bvhscope::inspect::table::five_trees;
 use bvhscope::render::display::effective_range;
 use bvhscope::render::integrate::render;
@@ -91,9 +91,11 @@ fn measure() -> Measured {
     let soup = Arc::new(builtin::make("soup:300").expect("a built-in scene"));
     let rows = five_trees(&soup, &soup.camera, &BuildConfig::default(), &settings, &task, &mut |_| ());
     let table = TableState { rows: rows.expect("nobody cancels"), running: None, stale: true };
-    let asked = shadow::ask_all(&world, &camera, &settings, Session::default().shadow_rule, &task);
-    let asked = asked.expect("nobody cancels");
-    let shadow = ShadowState { counts: Some(asked.counts), nodes_mean: asked.nodes_mean, running: false };
+    let rule = Session::default().shadow_rule;
+    let subject = Session { view: View::ShadowDifference, ..Session::default() }.film_subject();
+    let classes = render(subject, &world, &camera, &settings, 1, &task).expect("nobody cancels");
+    let nodes_mean = shadow_nodes_mean(&world, &camera, &settings, rule, 1, &task).expect("nobody cancels");
+    let shadow = ShadowState { counts: ClassCounts::of(&classes), nodes_mean, running: false };
     let rays = count(&world);
     Measured { scene, world, rays, film, histogram, overlay, history, bin_curve, table, shadow }
 }
