@@ -2,8 +2,93 @@
 //!
 //! A frame is: receive finished work, draw panels, apply commands, start work.
 
+mod apply;
 pub mod commands;
+mod dock;
 pub mod jobs;
+pub mod layout;
+mod menu;
+pub mod messages;
 pub mod panels;
+mod screenshot;
+mod shell;
+mod shortcuts;
+pub mod stages;
+pub mod state;
+mod status;
 pub mod theme;
+mod toolbar;
 pub mod view;
+mod viewport;
+
+use std::time::Duration;
+
+use anyhow::Context as _;
+
+use crate::session::Session;
+
+pub use screenshot::Screenshot;
+pub use shell::{App, AppOptions};
+
+/// Depths of the boxes that are shown when boxes are switched on.
+pub const DEFAULT_BOXES: [u32; 2] = [0, 64];
+
+/// Size of the window at the first start, in points.
+const FIRST_SIZE: [f32; 2] = [1280.0, 800.0];
+const LEAST_SIZE: [f32; 2] = [720.0, 480.0];
+
+/// How the program was started.
+#[derive(Clone, Debug, Default)]
+pub struct Startup {
+    /// What went wrong before there was a window; shown in it until dismissed.
+    pub warnings: Vec<String>,
+    /// The user said nothing of boxes: show some.
+    pub show_boxes: bool,
+    /// Takes a picture of the window, and closes it.
+    pub screenshot: Option<Screenshot>,
+}
+
+/// Shows the window until it is closed.
+///
+/// # Errors
+/// When no window can be opened.
+pub fn run(session: Session, startup: Startup) -> anyhow::Result<()> {
+    let screenshot = startup.screenshot.or_else(screenshot_from_environment);
+    let options = AppOptions {
+        hold_progressive: false,
+        show_boxes: startup.show_boxes,
+        warnings: startup.warnings,
+        screenshot,
+    };
+    let viewport = egui::ViewportBuilder::default()
+        .with_title("bvhscope")
+        .with_app_id("bvhscope")
+        .with_inner_size(FIRST_SIZE)
+        .with_min_inner_size(LEAST_SIZE)
+        .with_drag_and_drop(true);
+    let native = eframe::NativeOptions {
+        viewport,
+        // Tests switch eframe's other renderer on, which it then prefers.
+        renderer: eframe::Renderer::Glow,
+        ..Default::default()
+    };
+    let create: eframe::AppCreator<'_> = Box::new(|cc| Ok(Box::new(App::new(cc, session, options))));
+    eframe::run_native("bvhscope", native, create)
+        .map_err(|error| anyhow::anyhow!("{error}"))
+        .context(
+            "cannot open a window: it needs X11 or Wayland and OpenGL. Without one, `bvhscope render`, `stats` and \
+             `table` give the same pictures and numbers",
+        )
+}
+
+/// `BVHSCOPE_SCREENSHOT=FILE` takes a picture of the window after `BVHSCOPE_SCREENSHOT_SAMPLES` samples and closes it:
+/// how the window is tested from outside.
+fn screenshot_from_environment() -> Option<Screenshot> {
+    let path = std::env::var_os("BVHSCOPE_SCREENSHOT").filter(|path| !path.is_empty())?;
+    let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u32>().ok());
+    Some(Screenshot {
+        path: path.into(),
+        samples: number("BVHSCOPE_SCREENSHOT_SAMPLES").unwrap_or(4),
+        patience: Duration::from_secs(number("BVHSCOPE_SCREENSHOT_SECONDS").unwrap_or(60).into()),
+    })
+}

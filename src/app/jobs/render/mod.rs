@@ -74,7 +74,8 @@ struct State {
 /// The sample that is being taken.
 struct RunningStep {
     key: FilmKey,
-    scale: u32,
+    /// Nothing of this key is shown yet.
+    first_look: bool,
     task: Task,
 }
 
@@ -91,8 +92,8 @@ impl Renderer {
         Self { shared, thread: Some(thread) }
     }
 
-    /// Asks for other pictures. The running sample is stopped if nobody will look at it; a coarse first look is finished,
-    /// so that a moving camera always shows something.
+    /// Asks for other pictures. The running sample is stopped if nobody will look at it; a first look is finished, so that a
+    /// moving camera always shows something.
     pub fn request(&self, request: RenderRequest) {
         let mut state = self.shared.lock();
         if let Some(running) = &state.running
@@ -164,8 +165,9 @@ fn worth_finishing(running: &RunningStep, request: &RenderRequest) -> bool {
     if request.pace == Pace::Paused {
         return false;
     }
-    if running.scale > 1 {
-        // A look at an older moment or camera of the same scene is better than none.
+    if running.first_look {
+        // A look at an older moment, camera or tree of the same scene is better than none: else a picture that is slower
+        // than the hand that drags would never be seen.
         return request.pictures.iter().any(|key| {
             key.scene.load == running.key.scene.load && key.subject.view == running.key.subject.view
         });

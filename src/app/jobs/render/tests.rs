@@ -122,18 +122,18 @@ fn a_lease_stops_the_samples_until_it_is_given_back() {
 }
 
 #[test]
-fn a_coarse_look_outlives_a_camera_move_but_not_another_view() {
+fn a_first_look_outlives_a_camera_move_but_not_another_view() {
     let stage = Stage::new();
     let key = stage.key(View::Path);
-    let running = |scale| RunningStep { key, scale, task: Task::new() };
+    let running = |first_look| RunningStep { key, first_look, task: Task::new() };
     let moved = RenderRequest {
         pictures: vec![FilmKey { camera: Camera { fov_y_degrees: 10.0, ..stage.camera }, ..key }],
         ..stage.request(&[View::Path], 1)
     };
-    assert!(worth_finishing(&running(4), &moved));
-    assert!(!worth_finishing(&running(1), &moved));
-    assert!(worth_finishing(&running(1), &stage.request(&[View::Path], 1)));
-    assert!(!worth_finishing(&running(4), &stage.request(&[View::Depth], 1)));
+    assert!(worth_finishing(&running(true), &moved));
+    assert!(!worth_finishing(&running(false), &moved));
+    assert!(worth_finishing(&running(false), &stage.request(&[View::Path], 1)));
+    assert!(!worth_finishing(&running(true), &stage.request(&[View::Depth], 1)));
     let paused = RenderRequest { pace: Pace::Paused, ..stage.request(&[View::Path], 1) };
-    assert!(!worth_finishing(&running(1), &paused));
+    assert!(!worth_finishing(&running(true), &paused));
 }

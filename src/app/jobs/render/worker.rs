@@ -134,7 +134,8 @@ impl Worker {
     fn attempt(&mut self, request: &Arc<RenderRequest>, slot: usize, scale: u32) -> bool {
         let task = Task::new();
         let key = self.slots[slot].key;
-        if !self.begin(request, key, scale, &task) {
+        let first_look = self.slots[slot].shown_at.is_none();
+        if !self.begin(request, RunningStep { key, first_look, task: task.clone() }) {
             return true;
         }
         let pool = self.context.pools().get(PoolKind::Render);
@@ -153,12 +154,12 @@ impl Worker {
     }
 
     /// Announces the step; `false` if the request has changed since it was planned.
-    fn begin(&self, request: &Arc<RenderRequest>, key: FilmKey, scale: u32, task: &Task) -> bool {
+    fn begin(&self, request: &Arc<RenderRequest>, step: RunningStep) -> bool {
         let mut state = self.shared.lock();
         if state.stop || !state.request.as_ref().is_some_and(|current| Arc::ptr_eq(current, request)) {
             return false;
         }
-        state.running = Some(RunningStep { key, scale, task: task.clone() });
+        state.running = Some(step);
         true
     }
 

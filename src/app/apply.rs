@@ -1,0 +1,183 @@
+//! Commands become changes: of the state, of the layout, or jobs that start.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use super::commands::{Command, ExportRequest};
+use super::jobs::dialog::DialogAnswer;
+use super::jobs::load::Source;
+use super::layout::Layout;
+use super::panels::Panels;
+use super::stages::{self, Jobs};
+use super::state::State;
+use super::theme;
+use super::theme::Palette;
+use crate::export::session_file;
+use crate::render::View;
+use crate::scene::{Camera, SceneRef};
+use crate::session::Session;
+
+/// Everything that a command may change.
+pub struct Target<'a> {
+    pub state: &'a mut State,
+    pub jobs: &'a mut Jobs,
+    pub layout: &'a mut Layout,
+    pub panels: &'a mut Panels,
+    pub ctx: &'a egui::Context,
+}
+
+impl Target<'_> {
+    pub fn apply(&mut self, command: Command) {
+        match command {
+            Command::Edit(change) => self.edit(change),
+            Command::HoldRange(held) => self.hold_range(held),
+            Command::OpenScene(scene) => self.open(Source::Scene(scene)),
+            Command::OpenSession(path) => self.open(Source::SessionFile(path)),
+            Command::SaveSession(path) => {
+                stages::export::save_session(self.jobs, self.state, with_extension(path, "ron"));
+            }
+            Command::AskOpen => self.jobs.dialogs.ask_open(&self.jobs.context),
+            Command::AskSavePath { target, suggested } => {
+                self.jobs.dialogs.ask_save(&self.jobs.context, target, &suggested);
+            }
+            Command::SetAnimating(animating) => self.set_animating(animating),
+            Command::CancelLoad => self.jobs.load.cancel(),
+            Command::CancelBuild => self.jobs.build.cancel(),
+            Command::FrameScene => self.frame_scene(),
+            Command::ResetCamera => self.edit(Box::new(|session| session.camera = None)),
+            Command::SetPaused(paused) => self.state.paused = paused,
+            Command::MeasureTable => self.jobs.memo.table.wanted = true,
+            Command::CancelTable => stages::table::cancel(self.jobs, self.state),
+            Command::ShadowPreset => self.shadow_preset(),
+            Command::SetCompareViews(compare) => {
+                self.changed();
+                self.state.compare = compare;
+            }
+            Command::Export(request) => self.export(request),
+            Command::CancelExport => stages::export::cancel(self.jobs, self.state),
+            Command::CopyText { text, what } => {
+                self.ctx.copy_text(text);
+                self.state.messages.say(format!("Copied: {what}"));
+            }
+            Command::Report { message, error: true } => self.state.messages.error(message),
+            Command::Report { message, error: false } => self.state.messages.say(message),
+            Command::SetDark(dark) => self.set_dark(dark),
+            Command::ResetLayout => *self.layout = Layout::default(),
+            Command::ShowPanel { panel, shown } => self.layout.show(panel, shown),
+        }
+    }
+
+    /// Opens a file by what it is: a session, or a model.
+    pub fn open_path(&mut self, path: PathBuf) {
+        if session_file::is_session_path(&path) {
+            self.open(Source::SessionFile(path));
+        } else {
+            self.open(Source::Scene(SceneRef::File(path)));
+        }
+    }
+
+    pub fn take_dialog_answers(&mut self) {
+        for answer in self.jobs.dialogs.poll() {
+            match answer {
+                DialogAnswer::Open(path) => self.open_path(path),
+                DialogAnswer::Save(target, path) => {
+                    let path = with_extension(path, target.extensions()[0]);
+                    self.panels.path_chosen(target, path);
+                }
+                DialogAnswer::Unavailable => self.state.messages.error(
+                    "The system has no file dialog to show (an XDG desktop portal or zenity is needed). Type the path \
+                     into the Scene or Export panel instead, or drop the file on the window.",
+                ),
+            }
+        }
+    }
+
+    fn edit(&mut self, change: Box<dyn FnOnce(&mut Session) + Send>) {
+        let before = self.state.session.clone();
+        let camera = self.state.camera();
+        change(&mut self.state.session);
+        if self.state.session == before {
+            return;
+        }
+        if let Err(error) = self.state.session.build().check() {
+            self.state.messages.error(format!("{error}; the setting stays as it was."));
+            self.state.session = before;
+            return;
+        }
+        if self.state.session.up != before.up {
+            self.reframe_for_up();
+        }
+        if self.state.camera() != camera {
+            self.state.camera_moved = Some(Instant::now());
+        }
+        self.changed();
+    }
+
+    fn changed(&mut self) {
+        self.state.last_change = Instant::now();
+    }
+
+    /// A model that lay on its side is looked at anew when it is told which axis points up.
+    fn reframe_for_up(&mut self) {
+        if let (Some(document), SceneRef::File(_)) =
+            (&self.state.document, &self.state.session.scene.reference)
+        {
+            let bounds = document.world.tree.bounds();
+            self.state.session.camera = Some(Camera::framing(&bounds, self.state.session.up));
+        }
+    }
+
+    fn hold_range(&mut self, held: bool) {
+        if !held {
+            self.state.held_range = None;
+        } else if self.state.held_range.is_none() {
+            self.state.held_range = self.state.picture(0).and_then(|p| p.frame.presented.range);
+        }
+    }
+
+    fn open(&mut self, source: Source) {
+        self.changed();
+        stages::load::open(self.jobs, self.state, source);
+    }
+
+    fn set_animating(&mut self, animating: bool) {
+        self.state.animating = animating;
+        self.changed();
+    }
+
+    fn frame_scene(&mut self) {
+        let Some(document) = &self.state.document else { return };
+        let camera = Camera::framing(&document.world.tree.bounds(), self.state.session.up);
+        self.edit(Box::new(move |session| session.camera = Some(camera)));
+    }
+
+    /// The false shadow: the glass of the default scene over its glossy floor, the two answers held against each other.
+    fn shadow_preset(&mut self) {
+        let bunny = SceneRef::default();
+        if self.state.session.scene.reference != bunny {
+            self.open(Source::Scene(bunny));
+        }
+        self.state.animating = false;
+        self.state.compare = None;
+        self.edit(Box::new(|session| {
+            session.view = View::ShadowDifference;
+            session.camera = None;
+            session.time = 0.0;
+        }));
+    }
+
+    fn export(&mut self, request: ExportRequest) {
+        stages::export::export(self.jobs, self.state, self.ctx, request);
+    }
+
+    fn set_dark(&mut self, dark: bool) {
+        self.state.dark = dark;
+        self.state.palette = Palette::of(dark);
+        theme::apply(self.ctx, dark);
+    }
+}
+
+/// The path with an extension if it has none.
+fn with_extension(path: PathBuf, extension: &str) -> PathBuf {
+    if path.extension().is_none() { path.with_extension(extension) } else { path }
+}

@@ -1,0 +1,304 @@
+//! The program behind the window: one frame is receive finished work, draw panels, apply commands, start work.
+
+use std::time::{Duration, Instant};
+
+use egui::{CentralPanel, Frame, Margin, Panel, Ui};
+use serde::{Deserialize, Serialize};
+
+use super::apply::Target;
+use super::commands::{Command, Commands};
+use super::dock::{self, Dock};
+use super::jobs::load::{Source, short_name};
+use super::layout::Layout;
+use super::panels::Panels;
+use super::screenshot::{Screenshot, ScreenshotJob};
+use super::shortcuts::{self, Asked};
+use super::stages::{self, Jobs, Now, Showing};
+use super::state::{SETTLE, State};
+use super::viewport::Viewport;
+use super::{DEFAULT_BOXES, menu, status, theme, toolbar};
+use crate::scene::SceneRef;
+use crate::session::Session;
+
+/// Changes with the form of [`Settings`].
+const SETTINGS_KEY: &str = "bvhscope_settings_1";
+
+/// How the window is set up.
+#[derive(Clone, Debug, Default)]
+pub struct AppOptions {
+    /// Takes one sample of each picture, at full size, and starts nothing on its own that takes long: so that a test comes
+    /// to rest, and sees the same on every machine.
+    pub hold_progressive: bool,
+    /// Shows boxes if the session has none: the first look of a user who asked for nothing else.
+    pub show_boxes: bool,
+    /// What went wrong before there was a window.
+    pub warnings: Vec<String>,
+    /// Takes a picture of the window, and closes it.
+    pub screenshot: Option<Screenshot>,
+}
+
+/// What is kept between runs besides the layout.
+#[derive(Serialize, Deserialize)]
+struct Settings {
+    dark: bool,
+    recent: Vec<SceneRef>,
+}
+
+/// The program behind the window.
+pub struct App {
+    state: State,
+    jobs: Jobs,
+    layout: Layout,
+    panels: Panels,
+    viewport: Viewport,
+    commands: Commands,
+    options: AppOptions,
+    screenshot: Option<ScreenshotJob>,
+    help: bool,
+    title: String,
+    /// When the moving scene was last moved on.
+    moved_on: Option<Instant>,
+}
+
+impl App {
+    /// Starts to open the session's scene. Works without a window, too.
+    pub fn new(cc: &eframe::CreationContext<'_>, mut session: Session, options: AppOptions) -> Self {
+        let settings: Option<Settings> = cc.storage.and_then(|s| eframe::get_value(s, SETTINGS_KEY));
+        let dark = settings.as_ref().is_none_or(|s| s.dark);
+        theme::apply(&cc.egui_ctx, dark);
+        if options.show_boxes && session.overlay.depths.is_none() {
+            session.overlay.depths = Some(DEFAULT_BOXES);
+        }
+        let threads = session.render.threads;
+        let mut app = Self {
+            state: State::new(session, dark),
+            jobs: Jobs::new(cc.egui_ctx.clone(), threads),
+            layout: cc.storage.map_or_else(Layout::default, Layout::load),
+            panels: Panels::default(),
+            viewport: Viewport::default(),
+            commands: Commands::default(),
+            screenshot: options.screenshot.clone().map(ScreenshotJob::new),
+            options,
+            help: false,
+            title: String::new(),
+            moved_on: None,
+        };
+        app.state.recent = settings.map(|s| s.recent).unwrap_or_default();
+        for warning in app.options.warnings.clone() {
+            app.state.messages.error(warning);
+        }
+        stages::load::open(&mut app.jobs, &app.state, Source::Session);
+        app
+    }
+
+    /// What the window knows; for tests.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Where the panels lie; for tests.
+    pub fn layout_mut(&mut self) -> &mut Layout {
+        &mut self.layout
+    }
+
+    /// Asks for a change, as a panel does; it is applied in the next frame.
+    pub fn push(&mut self, command: Command) {
+        self.commands.push(command);
+    }
+
+    /// Nothing runs, and nothing was asked for that is not there yet.
+    pub fn is_idle(&self) -> bool {
+        self.jobs.is_idle() && !stages::curve::waits(&self.jobs, &self.now())
+    }
+
+    fn now(&self) -> Now {
+        Now { time: Instant::now(), showing: Showing::of(&self.layout), hold: self.options.hold_progressive }
+    }
+
+    /// Moves an animated scene on, once its last moment was built and seen.
+    fn animate(&mut self, now: &Now) {
+        let Some(before) = self.moved_on.filter(|_| self.state.animating) else {
+            self.moved_on = self.state.animating.then_some(now.time);
+            return;
+        };
+        let shown = self.state.picture(0).is_some_and(|picture| {
+            self.state.document.as_ref().is_some_and(|d| picture.frame.key.scene == d.tree.scene)
+        });
+        if self.jobs.build.is_idle() && (shown || self.state.paused) {
+            self.state.session.time += (now.time - before).as_secs_f32();
+            self.moved_on = Some(now.time);
+        }
+    }
+
+    fn read_keys(&mut self, ui: &Ui) {
+        let view = self.state.view();
+        for asked in shortcuts::read(ui, &view) {
+            match asked {
+                Asked::Command(command) => self.commands.push(command),
+                Asked::SaveSession => self.commands.push(menu::ask_save_session(&view)),
+                Asked::ToggleHelp => self.help = !self.help,
+                Asked::Quit => ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close),
+            }
+        }
+    }
+
+    fn draw(&mut self, ui: &mut Ui) {
+        let bar = |ui: &Ui| Frame::NONE.fill(ui.visuals().panel_fill).inner_margin(Margin::symmetric(8, 4));
+        let frame = bar(ui);
+        {
+            let view = self.state.view();
+            let commands = &mut self.commands;
+            Panel::top("menu").frame(frame).show_separator_line(false).show(ui, |ui| {
+                menu::ui(ui, &view, &self.layout, &mut self.help, commands);
+            });
+            Panel::top("toolbar").frame(frame).show(ui, |ui| toolbar::ui(ui, &view, commands));
+            Panel::bottom("status").frame(frame).show(ui, |ui| status::line(ui, &view, commands));
+        }
+        self.draw_messages(ui);
+        let central = Frame::NONE.fill(ui.visuals().panel_fill);
+        let output = CentralPanel::default()
+            .frame(central)
+            .show(ui, |ui| {
+                let dock = Dock {
+                    state: &self.state,
+                    viewport: &mut self.viewport,
+                    panels: &mut self.panels,
+                    commands: &mut self.commands,
+                };
+                dock::ui(ui, &mut self.layout, dock)
+            })
+            .inner;
+        self.state.hover = output.and_then(|o| o.hover);
+        if let Some(output) = output {
+            self.adopt_size(output.size);
+        }
+        shortcuts::help_window(ui, &mut self.help);
+        paint_drop_target(ui);
+    }
+
+    fn draw_messages(&mut self, ui: &mut Ui) {
+        if self.state.messages.iter().next().is_none() {
+            return;
+        }
+        let mut messages = std::mem::take(&mut self.state.messages);
+        let view = self.state.view();
+        Panel::bottom("messages")
+            .frame(Frame::NONE)
+            .show(ui, |ui| status::messages(ui, &view, &mut messages));
+        self.state.messages = messages;
+    }
+
+    /// The picture follows the viewport, and the session says the size of the picture.
+    fn adopt_size(&mut self, size: [u32; 2]) {
+        if self.state.viewport != size {
+            self.state.viewport = size;
+            let [width, height] = size;
+            if width > 0 && height > 0 {
+                let render = &mut self.state.session.render;
+                (render.width, render.height) = (width, height);
+            }
+            // A divider that is dragged is like a camera that moves.
+            self.state.camera_moved = Some(Instant::now());
+        }
+    }
+
+    fn apply_commands(&mut self, ctx: &egui::Context) {
+        let commands = self.commands.take();
+        let dropped: Vec<_> =
+            ctx.input(|i| i.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect());
+        let mut target = Target {
+            state: &mut self.state,
+            jobs: &mut self.jobs,
+            layout: &mut self.layout,
+            panels: &mut self.panels,
+            ctx,
+        };
+        for command in commands {
+            target.apply(command);
+        }
+        target.take_dialog_answers();
+        // Of several files at once the last one would stay anyway.
+        if let Some(path) = dropped.into_iter().next_back() {
+            target.open_path(path);
+        }
+    }
+
+    /// Asks for the frames that nothing else will ask for.
+    fn schedule(&mut self, ctx: &egui::Context, now: &Now) {
+        let after = |delay: Duration| ctx.request_repaint_after(delay);
+        if let Some(delay) = self.state.messages.expire(now.time) {
+            after(delay);
+        }
+        if self.state.animating {
+            after(Duration::from_millis(15));
+        } else if self.state.is_moving(now.time) {
+            after(SETTLE);
+        }
+        let state = &self.state;
+        let statuses = [&state.loading, &state.building, &state.exporting, &state.table.running];
+        if statuses.into_iter().any(Option::is_some) {
+            after(Duration::from_millis(100));
+        }
+        if stages::table::waits(&self.jobs) || stages::curve::waits(&self.jobs, now) {
+            after(Duration::from_millis(200));
+        }
+    }
+
+    fn set_title(&mut self, ctx: &egui::Context) {
+        let title = match &self.state.document {
+            Some(_) => format!("{} - bvhscope", short_name(&self.state.session.scene.reference)),
+            None => "bvhscope".to_owned(),
+        };
+        if title != self.title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+}
+
+impl eframe::App for App {
+    fn logic(&mut self, _: &egui::Context, _: &mut eframe::Frame) {
+        let now = self.now();
+        self.jobs.receive(&mut self.state, &now);
+        self.animate(&now);
+        self.jobs.start(&mut self.state, &now);
+    }
+
+    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+        self.read_keys(ui);
+        self.draw(ui);
+        let ctx = ui.ctx().clone();
+        self.apply_commands(&ctx);
+        let now = self.now();
+        self.jobs.start(&mut self.state, &now);
+        self.set_title(&ctx);
+        self.schedule(&ctx, &now);
+        if let Some(screenshot) = &mut self.screenshot {
+            screenshot.update(&ctx, &self.state);
+        }
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        self.layout.save(storage);
+        let settings = Settings { dark: self.state.dark, recent: self.state.recent.clone() };
+        eframe::set_value(storage, SETTINGS_KEY, &settings);
+    }
+}
+
+/// Says that a file which is dragged over the window can be dropped.
+fn paint_drop_target(ui: &Ui) {
+    if ui.input(|i| i.raw.hovered_files.is_empty()) {
+        return;
+    }
+    let rect = ui.ctx().content_rect();
+    let layer = egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("bvhscope drop target"));
+    let painter = ui.ctx().layer_painter(layer);
+    painter.rect_filled(rect, 0.0, egui::Color32::from_black_alpha(170));
+    painter.text(
+        rect.center(),
+        egui::Align2::CENTER_CENTER,
+        "Drop to open: a model, a session, or a PNG that carries one",
+        egui::FontId::proportional(18.0),
+        egui::Color32::WHITE,
+    );
+}

@@ -1,0 +1,120 @@
+//! Files: what is asked for is put together here and written by a job.
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use egui::ColorImage;
+
+use super::Jobs;
+use crate::app::commands::ExportRequest;
+use crate::app::jobs::export::{ExportContent, ExportWork, sized};
+use crate::app::state::State;
+use crate::session::Session;
+
+/// Files that wait to be written: one after the other, and none is forgotten.
+pub struct ExportMemo {
+    queue: VecDeque<ExportWork>,
+    /// Pictures of the whole window that were asked for.
+    sender: Sender<(PathBuf, Arc<ColorImage>)>,
+    receiver: Receiver<(PathBuf, Arc<ColorImage>)>,
+}
+
+impl Default for ExportMemo {
+    fn default() -> Self {
+        let (sender, receiver) = channel();
+        Self { queue: VecDeque::new(), sender, receiver }
+    }
+}
+
+impl ExportMemo {
+    pub fn is_empty(&self) -> bool {
+        self.queue.is_empty()
+    }
+}
+
+/// Puts a file into the queue.
+pub fn export(jobs: &mut Jobs, state: &mut State, ctx: &egui::Context, request: ExportRequest) {
+    if let ExportRequest::Window { path } = request {
+        let sender = jobs.memo.export.sender.clone();
+        // The receiver lives as long as the window.
+        ctx.request_screenshot(move |image| drop(sender.send((path, image))));
+        ctx.request_repaint();
+        return;
+    }
+    let (Some(document), Some(camera)) = (&state.document, state.camera()) else {
+        state.messages.error("There is nothing to export yet: open a scene first.");
+        return;
+    };
+    let session = shown_session(state);
+    let world = Arc::clone(&document.world);
+    let (path, session, content) = match request {
+        ExportRequest::Picture { path, width, height, samples, overlay, legend } => {
+            let content = ExportContent::Picture { world, camera, overlay, legend };
+            (path, sized(&session, width, height, samples), content)
+        }
+        ExportRequest::Raw { path } => {
+            let Some(picture) = state.picture(0).filter(|p| p.frame.scale == 1) else {
+                state
+                    .messages
+                    .error("The picture is not there yet: wait for its first sample, then try again.");
+                return;
+            };
+            let film = Arc::clone(&picture.frame.film);
+            let session = sized(&session, film.width, film.height, film.samples);
+            (path, session, ExportContent::Raw { film })
+        }
+        ExportRequest::Figures { path } => (path, session, ExportContent::Figures { world, camera }),
+        ExportRequest::Window { .. } => unreachable!("handled above"),
+    };
+    write(jobs, ExportWork { path, session, content });
+}
+
+/// Starts to write the session.
+pub fn save_session(jobs: &mut Jobs, state: &State, path: PathBuf) {
+    let session = shown_session(state);
+    write(jobs, ExportWork { path, session, content: ExportContent::Session });
+}
+
+pub fn receive(jobs: &mut Jobs, state: &mut State) {
+    let context = jobs.context.clone();
+    while let Ok((path, image)) = jobs.memo.export.receiver.try_recv() {
+        let session = shown_session(state);
+        write(jobs, ExportWork { path, session, content: ExportContent::Window { image } });
+    }
+    for done in jobs.export.poll(&context) {
+        match done {
+            Ok(path) => state.messages.say(format!("Written: {}", path.display())),
+            Err(message) => state.messages.error(message),
+        }
+    }
+    if jobs.export.is_idle()
+        && let Some(work) = jobs.memo.export.queue.pop_front()
+    {
+        jobs.export.request(&context, work);
+    }
+}
+
+/// Gives up the file that is being written. What lay at its path before stays.
+pub fn cancel(jobs: &mut Jobs, state: &mut State) {
+    if jobs.export.running().is_some() {
+        jobs.export.cancel();
+        state.messages.say("The export was cancelled; nothing was written.");
+    }
+}
+
+/// The session with what is on the screen: the camera, and the tree that is finished.
+fn shown_session(state: &State) -> Session {
+    let mut session = state.session.clone();
+    session.camera = state.camera().or(session.camera);
+    if let Some(document) = &state.document {
+        *session.build_mut() = document.tree.config;
+    }
+    session
+}
+
+fn write(jobs: &mut Jobs, work: ExportWork) {
+    jobs.memo.export.queue.push_back(work);
+    jobs.context.wake();
+}

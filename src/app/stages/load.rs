@@ -1,0 +1,81 @@
+//! Opening scenes and sessions: until the new one is there whole, the old one stays.
+
+use super::Jobs;
+use crate::app::jobs::load::{LoadMessage, LoadRequest, Opened, Source, short_name};
+use crate::app::state::{Document, State};
+use crate::app::view::{BinCurve, ShadowState, TableState};
+use crate::session::Session;
+
+/// Starts to open something. A load that runs is stopped.
+pub fn open(jobs: &mut Jobs, state: &State, source: Source) {
+    jobs.memo.loads += 1;
+    let request = LoadRequest::new(jobs.memo.loads, source, state.session.clone());
+    let context = jobs.context.clone();
+    jobs.load.request(&context, request);
+}
+
+pub fn receive(jobs: &mut Jobs, state: &mut State) {
+    let context = jobs.context.clone();
+    for message in jobs.load.poll(&context) {
+        match message {
+            LoadMessage::Failed { message } => state.messages.error(message),
+            LoadMessage::Opened(opened) => adopt(jobs, state, *opened),
+        }
+    }
+}
+
+/// Replaces what is open.
+fn adopt(jobs: &mut Jobs, state: &mut State, opened: Opened) {
+    let Opened { source, session, still, world, key, warnings } = opened;
+    jobs.build.cancel();
+    jobs.curve.cancel();
+    jobs.table.cancel();
+    jobs.memo.build = Some(key);
+    jobs.memo.curve = Default::default();
+    jobs.memo.table = Default::default();
+    adopt_session(state, &source, session);
+    if !warnings.is_empty() {
+        let name = short_name(&state.session.scene.reference);
+        let count = warnings.len();
+        let more = if count == 1 { String::new() } else { format!(" (and {} more, in Scene)", count - 1) };
+        state.messages.say(format!("{name}: {}{more}", warnings[0]));
+    }
+    state.remember_recent(&state.session.scene.reference.clone());
+    state.remember_build(key, &world);
+    state.document = Some(Document { load: key.scene.load, still, world, tree: key, warnings });
+    state.pictures = Default::default();
+    state.boxes = None;
+    state.figures = None;
+    state.curve = BinCurve::default();
+    state.curve_key = None;
+    state.table = TableState::default();
+    state.table_key = None;
+    state.shadow = ShadowState::default();
+    state.shadow_key = None;
+    state.hover = None;
+    state.held_range = None;
+    state.last_change = std::time::Instant::now();
+}
+
+/// For a scene alone, settings that were changed while it was loaded stay.
+fn adopt_session(state: &mut State, source: &Source, opened: Session) {
+    match source {
+        Source::SessionFile(_) => {
+            state.compare = None;
+            state.animating = false;
+            state.session = opened;
+        }
+        Source::Scene(_) => {
+            state.animating = false;
+            let session = &mut state.session;
+            session.scene = opened.scene;
+            session.camera = opened.camera;
+            session.time = opened.time;
+            session.up = opened.up;
+            session.ground = opened.ground;
+            session.display.range = opened.display.range;
+            session.display.threshold = opened.display.threshold;
+        }
+        Source::Session => state.session.scene = opened.scene,
+    }
+}

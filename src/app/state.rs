@@ -1,0 +1,299 @@
+//! What the window knows. Plain data; changed by results of jobs and by commands, read by panels as an [`AppView`].
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use egui::ColorImage;
+
+use super::jobs::bin_curve::CurveKey;
+use super::jobs::figures::FiguresKey;
+use super::jobs::render::{Frame, MOST_PICTURES, Pace};
+use super::jobs::shadow::ShadowKey;
+use super::jobs::table::TableKey;
+use super::jobs::{OverlayKey, SceneKey, TreeKey};
+use super::messages::Messages;
+use super::theme::Palette;
+use super::view::{
+    AppView, BinCurve, CompareStyle, CompareViews, HistoryEntry, Hover, JobStatus, RenderStatus, ShadowState,
+    TableState,
+};
+use crate::render::film::FilmSubject;
+use crate::render::measure::RayFigures;
+use crate::render::{DisplaySettings, Overlay};
+use crate::scene::{Camera, Scene, SceneRef};
+use crate::session::{Session, prepare};
+use crate::world::World;
+
+/// The camera counts as moving for this long after it moved.
+pub const SETTLE: Duration = Duration::from_millis(160);
+
+/// Builds that are remembered.
+const MOST_HISTORY: usize = 50;
+
+/// Recent scenes that are remembered.
+const MOST_RECENT: usize = 10;
+
+/// What is open.
+pub struct Document {
+    /// Counts the loads of this run.
+    pub load: u64,
+    /// The scene as it was loaded.
+    pub still: Arc<Scene>,
+    /// The newest finished tree, over the scene of its moment.
+    pub world: Arc<World>,
+    pub tree: TreeKey,
+    /// What had to be repaired.
+    pub warnings: Vec<String>,
+}
+
+/// Drawn boxes.
+pub struct Boxes {
+    pub key: OverlayKey,
+    pub overlay: Arc<Overlay>,
+    pub image: Arc<ColorImage>,
+    /// Counts the drawings.
+    pub version: u64,
+}
+
+/// A picture of the viewport.
+pub struct Picture {
+    pub frame: Frame,
+    /// Counts the pictures, so that textures know when to follow.
+    pub version: u64,
+}
+
+/// Everything that the window knows.
+pub struct State {
+    pub session: Session,
+    pub document: Option<Document>,
+    pub dark: bool,
+    pub palette: Palette,
+    pub recent: Vec<SceneRef>,
+    pub messages: Messages,
+    pub pictures: [Option<Picture>; MOST_PICTURES],
+    pub boxes: Option<Boxes>,
+    pub history: Vec<HistoryEntry>,
+    /// The trees of `history`.
+    pub history_keys: Vec<TreeKey>,
+    pub figures: Option<(FiguresKey, RayFigures)>,
+    pub curve: BinCurve,
+    pub curve_key: Option<CurveKey>,
+    pub table: TableState,
+    pub table_key: Option<TableKey>,
+    pub shadow: ShadowState,
+    pub shadow_key: Option<ShadowKey>,
+    pub compare: Option<CompareViews>,
+    pub hover: Option<Hover>,
+    pub animating: bool,
+    pub paused: bool,
+    /// The range of the colour map, held while a slider of the Build panel is.
+    pub held_range: Option<[f32; 2]>,
+    pub measuring: bool,
+    /// The picture area of the viewport in pixels; zero until it was drawn.
+    pub viewport: [u32; 2],
+    pub camera_moved: Option<Instant>,
+    /// When a command last changed what is shown.
+    pub last_change: Instant,
+    pub loading: Option<JobStatus>,
+    pub building: Option<JobStatus>,
+    pub exporting: Option<JobStatus>,
+    last_version: u64,
+    last_number: usize,
+}
+
+impl State {
+    pub fn new(session: Session, dark: bool) -> Self {
+        Self {
+            session,
+            document: None,
+            dark,
+            palette: Palette::of(dark),
+            recent: Vec::new(),
+            messages: Messages::default(),
+            pictures: Default::default(),
+            boxes: None,
+            history: Vec::new(),
+            history_keys: Vec::new(),
+            figures: None,
+            curve: BinCurve::default(),
+            curve_key: None,
+            table: TableState::default(),
+            table_key: None,
+            shadow: ShadowState::default(),
+            shadow_key: None,
+            compare: None,
+            hover: None,
+            animating: false,
+            paused: false,
+            held_range: None,
+            measuring: false,
+            viewport: [0, 0],
+            camera_moved: None,
+            last_change: Instant::now(),
+            loading: None,
+            building: None,
+            exporting: None,
+            last_version: 0,
+            last_number: 0,
+        }
+    }
+
+    /// The camera that is looked through.
+    pub fn camera(&self) -> Option<Camera> {
+        self.document.as_ref().map(|d| prepare::camera(&d.world.scene, &self.session))
+    }
+
+    /// The session's moment of what is open.
+    pub fn wanted_scene(&self) -> Option<SceneKey> {
+        self.document.as_ref().map(|d| SceneKey::of(d.load, &d.still, &self.session))
+    }
+
+    /// What the pictures of the viewport show, one or two.
+    pub fn subjects(&self) -> Vec<FilmSubject> {
+        let subject = self.session.film_subject();
+        match self.compare {
+            None => vec![subject],
+            Some(CompareViews { left, right, .. }) => {
+                vec![FilmSubject { view: left, ..subject }, FilmSubject { view: right, ..subject }]
+            }
+        }
+    }
+
+    /// The size of each of the viewport's pictures, in pixels; `None` until the viewport was drawn.
+    pub fn picture_size(&self) -> Option<[u32; 2]> {
+        let [width, height] = self.viewport;
+        let side_by_side = self.compare.is_some_and(|c| c.style == CompareStyle::SideBySide);
+        let width = if side_by_side { width / 2 } else { width };
+        (width > 0 && height > 0).then_some([width, height])
+    }
+
+    /// How pictures are to be shown now.
+    pub fn display(&self) -> DisplaySettings {
+        let display = self.session.display;
+        DisplaySettings { range: display.range.or(self.held_range), ..display }
+    }
+
+    /// Whether the camera or the scene is moving.
+    pub fn is_moving(&self, now: Instant) -> bool {
+        self.animating || self.camera_moved.is_some_and(|moved| now.saturating_duration_since(moved) < SETTLE)
+    }
+
+    /// How the pictures are to be refined now.
+    pub fn pace(&self, now: Instant, hold: bool) -> Pace {
+        if self.paused {
+            Pace::Paused
+        } else if hold {
+            Pace::Direct
+        } else if self.is_moving(now) {
+            Pace::Moving
+        } else {
+            Pace::Refine
+        }
+    }
+
+    /// The picture of a slot, if it is one of what is open.
+    pub fn picture(&self, slot: usize) -> Option<&Picture> {
+        let load = self.document.as_ref()?.load;
+        self.pictures.get(slot)?.as_ref().filter(|p| p.frame.key.scene.load == load)
+    }
+
+    /// A number for a new picture or overlay.
+    pub fn next_version(&mut self) -> u64 {
+        self.last_version += 1;
+        self.last_version
+    }
+
+    /// Puts a finished build into the history, unless it is the one that stands there last.
+    pub fn remember_build(&mut self, key: TreeKey, world: &World) {
+        if self.history_keys.last() == Some(&key) {
+            return;
+        }
+        self.last_number += 1;
+        let figures = &world.figures;
+        self.history.push(HistoryEntry {
+            number: self.last_number,
+            config: key.config,
+            scene: world.scene.name.clone(),
+            build_ms: world.report.build_ms,
+            sah_cost: figures.sah_cost.map(|c| c.total()),
+            nodes_visited_mean: None,
+            node_count: figures.node_count,
+            leaf_count: figures.leaf_count,
+            depth_max: figures.depth_max,
+            depth_mean: figures.depth_mean,
+            bytes: world.bytes(),
+        });
+        self.history_keys.push(key);
+        if self.history.len() > MOST_HISTORY {
+            self.history.remove(0);
+            self.history_keys.remove(0);
+        }
+    }
+
+    /// Fills in what was counted for a tree of the history.
+    pub fn remember_rays(&mut self, key: &TreeKey, rays: &RayFigures) {
+        if let Some(i) = self.history_keys.iter().rposition(|k| k == key) {
+            self.history[i].nodes_visited_mean = rays.nodes_visited_mean;
+        }
+    }
+
+    /// Puts a scene at the front of the recent ones.
+    pub fn remember_recent(&mut self, scene: &SceneRef) {
+        self.recent.retain(|s| s != scene);
+        self.recent.insert(0, scene.clone());
+        self.recent.truncate(MOST_RECENT);
+    }
+
+    /// What panels read.
+    pub fn view(&self) -> AppView<'_> {
+        let picture = self.picture(0);
+        let rays = self
+            .figures
+            .as_ref()
+            .filter(|(key, _)| self.document.as_ref().is_some_and(|d| d.tree == key.tree));
+        AppView {
+            session: &self.session,
+            palette: &self.palette,
+            scene: self.document.as_ref().map(|d| &d.world.scene),
+            scene_warnings: self.document.as_ref().map_or(&[], |d| &d.warnings),
+            world: self.document.as_ref().map(|d| &d.world),
+            recent: &self.recent,
+            animating: self.animating,
+            loading: self.loading.clone(),
+            building: self.building.clone(),
+            exporting: self.exporting.clone(),
+            history: &self.history,
+            film: picture.map(|p| &*p.frame.film),
+            histogram: picture.and_then(|p| p.frame.presented.histogram.as_ref()),
+            range: picture.and_then(|p| p.frame.presented.range),
+            range_locked: self.held_range.is_some(),
+            hover: self.hover,
+            overlay: self.boxes.as_ref().map(|b| &*b.overlay),
+            rays: rays.map(|(_, rays)| rays),
+            bin_curve: &self.curve,
+            table: &self.table,
+            shadow: &self.shadow,
+            compare: self.compare,
+            render: self.render_status(),
+        }
+    }
+
+    fn render_status(&self) -> RenderStatus {
+        let frame = self.picture(0).map(|p| &p.frame);
+        let sample_ms = frame.and_then(|f| f.sample_ms);
+        let size = frame.map_or([0, 0], |f| [f.film.width, f.film.height]);
+        let pixels = f64::from(size[0]) * f64::from(size[1]);
+        RenderStatus {
+            samples: frame.map_or(0, |f| if f.scale == 1 { f.film.samples } else { 0 }),
+            goal: match frame {
+                Some(frame) if !frame.key.refines() => Some(1),
+                _ => self.session.render.spp,
+            },
+            msamples_per_s: sample_ms.filter(|ms| *ms > 0.0).map(|ms| pixels / ms * 1e-3),
+            sample_ms,
+            paused: self.paused,
+            measuring: self.measuring,
+            size,
+        }
+    }
+}

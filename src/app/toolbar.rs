@@ -1,0 +1,113 @@
+//! The bar below the menus: what is shown, and how the picture is coming on.
+
+use egui::{Button, ComboBox, RichText, Ui};
+
+use super::commands::{Command, Commands};
+use super::menu::title;
+use super::shortcuts::{show_view, toggle_boxes};
+use super::view::AppView;
+use crate::render::{CountKind, View, ViewClass};
+
+pub fn ui(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
+    ui.horizontal(|ui| {
+        view_combo(ui, view, commands);
+        let counts = view.session.view.class() == ViewClass::Heat && view.session.view != View::ShadowSaving;
+        if counts {
+            count_combo(ui, view, commands);
+        }
+        ui.separator();
+        toggles(ui, view, commands);
+        ui.separator();
+        figures(ui, view);
+    });
+}
+
+fn view_combo(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
+    let label = ui.label("View");
+    let selected = view.session.view;
+    ComboBox::from_id_salt("view")
+        .width(178.0)
+        .height(480.0)
+        .selected_text(title(selected))
+        .show_ui(ui, |ui| {
+            for choice in View::ALL {
+                let response = ui.selectable_label(choice == selected, title(choice));
+                if response.on_hover_text(choice.description()).clicked() {
+                    commands.push(show_view(choice));
+                }
+            }
+        })
+        .response
+        .labelled_by(label.id)
+        .on_hover_text(selected.description());
+}
+
+fn count_combo(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
+    let label = ui.label("Rays");
+    let selected = view.session.count;
+    ComboBox::from_id_salt("count")
+        .width(76.0)
+        .selected_text(selected.name())
+        .show_ui(ui, |ui| {
+            for choice in CountKind::ALL {
+                let response = ui.selectable_label(choice == selected, choice.name());
+                if response.on_hover_text(choice.description()).clicked() {
+                    commands.edit(move |session| session.count = choice);
+                }
+            }
+        })
+        .response
+        .labelled_by(label.id)
+        .on_hover_text(format!("Which rays are counted: {}", selected.description()));
+}
+
+fn toggles(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
+    let paused = view.render.paused;
+    let (text, about) = if paused {
+        ("▶ Resume", "Go on rendering (Space)")
+    } else {
+        ("⏸ Pause", "Stop rendering (Space)")
+    };
+    if ui.add(Button::new(text).min_size(egui::vec2(78.0, 0.0))).on_hover_text(about).clicked() {
+        commands.push(Command::SetPaused(!paused));
+    }
+    let boxes = view.session.overlay.depths.is_some();
+    if ui
+        .add(Button::selectable(boxes, "Boxes"))
+        .on_hover_text("The boxes of the tree over the picture (B)")
+        .clicked()
+    {
+        commands.push(toggle_boxes());
+    }
+    let moves = view.scene.is_some_and(|scene| scene.is_animated());
+    let animate = ui.add_enabled(moves, Button::selectable(view.animating, "Animate"));
+    if animate
+        .on_hover_text("Lets the scene move; the tree is built anew for each moment (T)")
+        .on_disabled_hover_text("Nothing moves in this scene")
+        .clicked()
+    {
+        commands.push(Command::SetAnimating(!view.animating));
+    }
+}
+
+fn figures(ui: &mut Ui, view: &AppView) {
+    let render = &view.render;
+    let goal = render.goal.map_or_else(String::new, |goal| format!(" of {goal}"));
+    let unit = if render.samples == 1 && render.goal.is_none() { "sample " } else { "samples" };
+    figure(ui, format!("{:>5}{goal} {unit}", render.samples), "Samples a pixel so far.");
+    let speed = render.msamples_per_s.map_or_else(|| "   –".to_owned(), |m| format!("{m:>5.2}"));
+    figure(ui, format!("{speed} M/s"), "Million samples of single pixels a second.");
+    let ms = render.sample_ms.map_or_else(|| "   –".to_owned(), |ms| format!("{ms:>6.1}"));
+    figure(ui, format!("{ms} ms/frame"), "Wall time of the last sample over the whole picture.");
+    if render.measuring {
+        ui.label(RichText::new("measuring").color(view.palette.warning)).on_hover_text(
+            "A timed measurement runs with nothing beside it: the picture waits, and goes on when you change anything.",
+        );
+    } else if render.paused {
+        ui.label(RichText::new("paused").color(view.palette.warning));
+    }
+}
+
+fn figure(ui: &mut Ui, text: String, about: &str) {
+    ui.label(RichText::new(text).monospace().color(ui.visuals().text_color())).on_hover_text(about);
+}
