@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use anyhow::anyhow;
 use clap::ArgMatches;
+use clap::parser::ValueSource;
 
 use super::{CliError, args};
+use crate::app::{self, Startup};
 use crate::export::session_file;
-use crate::session::Session;
 
 pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
     let session = args::session(matches)?;
@@ -21,10 +22,10 @@ pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
             path.display()
         )));
     }
-    open(session)
-}
-
-fn open(session: Session) -> Result<(), CliError> {
-    let _ = session;
-    Err(CliError::Failed(anyhow!("this build has no window")))
+    // Whoever names a session or says something of boxes gets what they ask for; a first look shows the tree.
+    let opens_session = matches.contains_id("session")
+        || matches.get_one::<PathBuf>("SCENE").is_some_and(|path| session_file::is_session_path(path));
+    let says_boxes = matches.value_source("boxes") == Some(ValueSource::CommandLine);
+    let startup = Startup { show_boxes: !opens_session && !says_boxes, ..Startup::default() };
+    Ok(app::run(session, startup)?)
 }
