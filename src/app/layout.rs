@@ -11,6 +11,8 @@ pub const STORAGE_KEY: &str = "bvhscope_layout_1";
 /// Widths of the columns at the sides of the first start, in points.
 const LEFT_WIDTH: f32 = 306.0;
 const RIGHT_WIDTH: f32 = 350.0;
+/// The part of the right column that the boxes have.
+const UPPER_SHARE: f32 = 0.56;
 /// The viewport is never made narrower than this to keep the columns as wide as they were.
 const LEAST_VIEWPORT: f32 = 320.0;
 
@@ -181,7 +183,10 @@ fn default_tree() -> Tree<Pane> {
     let below = tabs(&mut tiles, &[Cost, Table]);
     let viewport = tiles.insert_pane(Pane::Viewport);
     let viewport = tiles.insert_tab_tile(vec![viewport]);
-    let right = tiles.insert_vertical_tile(vec![above, below]);
+    let mut right = Linear::new(LinearDir::Vertical, vec![above, below]);
+    right.shares.set_share(above, UPPER_SHARE);
+    right.shares.set_share(below, 1.0 - UPPER_SHARE);
+    let right = tiles.insert_container(right);
     let mut columns = Linear::new(LinearDir::Horizontal, vec![left, viewport, right]);
     columns.shares.set_share(left, LEFT_WIDTH);
     columns.shares.set_share(viewport, 1280.0 - LEFT_WIDTH - RIGHT_WIDTH);

@@ -65,6 +65,7 @@ pub fn run(session: Session, startup: Startup) -> anyhow::Result<()> {
         .with_app_id("bvhscope")
         .with_inner_size(FIRST_SIZE)
         .with_min_inner_size(LEAST_SIZE)
+        .with_icon(icon())
         .with_drag_and_drop(true);
     let native = eframe::NativeOptions {
         viewport,
@@ -79,6 +80,33 @@ pub fn run(session: Session, startup: Startup) -> anyhow::Result<()> {
             "cannot open a window: it needs X11 or Wayland and OpenGL. Without one, `bvhscope render`, `stats` and \
              `table` give the same pictures and numbers",
         )
+}
+
+/// Boxes in boxes.
+fn icon() -> egui::IconData {
+    const SIZE: u32 = 64;
+    // Left, top, right, bottom, and the colour of the frame.
+    const BOXES: [([u32; 4], [u8; 3]); 4] = [
+        ([3, 3, 61, 61], [94, 178, 255]),
+        ([9, 9, 36, 55], [150, 220, 140]),
+        ([41, 24, 55, 55], [150, 220, 140]),
+        ([14, 30, 31, 50], [255, 176, 84]),
+    ];
+    let mut rgba = Vec::with_capacity((SIZE * SIZE * 4) as usize);
+    for (y, x) in (0..SIZE).flat_map(|y| (0..SIZE).map(move |x| (y, x))) {
+        let mut color = [29, 31, 36];
+        for ([left, top, right, bottom], frame) in BOXES {
+            let inside = |inset| {
+                (left + inset..right - inset).contains(&x) && (top + inset..bottom - inset).contains(&y)
+            };
+            if inside(0) && !inside(3) {
+                color = frame;
+            }
+        }
+        rgba.extend(color);
+        rgba.push(255);
+    }
+    egui::IconData { rgba, width: SIZE, height: SIZE }
 }
 
 /// `BVHSCOPE_SCREENSHOT=FILE` takes a picture of the window after `BVHSCOPE_SCREENSHOT_SAMPLES` samples and closes it:

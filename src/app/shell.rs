@@ -154,7 +154,6 @@ impl App {
             Panel::top("toolbar").frame(frame).show(ui, |ui| toolbar::ui(ui, &view, commands));
             Panel::bottom("status").frame(frame).show(ui, |ui| status::line(ui, &view, commands));
         }
-        self.draw_messages(ui);
         let central = Frame::NONE.fill(ui.visuals().panel_fill);
         let output = CentralPanel::default()
             .frame(central)
@@ -172,19 +171,15 @@ impl App {
         if let Some(output) = output {
             self.adopt_size(output.size);
         }
+        self.draw_messages(ui);
         shortcuts::help_window(ui, &mut self.help);
         paint_drop_target(ui);
     }
 
-    fn draw_messages(&mut self, ui: &mut Ui) {
-        if self.state.messages.iter().next().is_none() {
-            return;
-        }
+    fn draw_messages(&mut self, ui: &Ui) {
         let mut messages = std::mem::take(&mut self.state.messages);
         let view = self.state.view();
-        Panel::bottom("messages")
-            .frame(Frame::NONE)
-            .show(ui, |ui| status::messages(ui, &view, &mut messages));
+        status::messages(ui, &view, &mut messages);
         self.state.messages = messages;
     }
 

@@ -1,14 +1,19 @@
 //! The line at the bottom, and the messages above it.
 
-use egui::{Button, Color32, Frame, Layout, Margin, ProgressBar, RichText, Ui};
+use egui::{Button, Frame, Label, Layout, Margin, ProgressBar, RichText, Stroke, Ui};
 
 use super::commands::{Command, Commands};
 use super::jobs::overlay::grouped;
-use super::messages::Messages;
+use super::messages::{Message, Messages};
 use super::view::{AppView, JobStatus};
 
 /// Work that is done sooner than this is not spoken of, in seconds.
 const WORTH_SAYING: f32 = 0.2;
+
+/// Sizes of a message, in points.
+const MESSAGE_WIDTH: f32 = 720.0;
+const DISMISS_WIDTH: f32 = 76.0;
+const ABOVE_STATUS: f32 = 38.0;
 
 /// What is open, and what is being done.
 pub fn line(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
@@ -37,39 +42,54 @@ pub fn line(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
     });
 }
 
-/// The messages, newest last; an error stays until it is dismissed.
-pub fn messages(ui: &mut Ui, view: &AppView, messages: &mut Messages) {
-    let mut dismissed = None;
-    for (i, message) in messages.iter().enumerate() {
-        let color = if message.error { view.palette.error } else { view.palette.good };
-        let fill = color.gamma_multiply(if view.palette.dark { 0.16 } else { 0.12 });
-        Frame::NONE.fill(fill).inner_margin(Margin::symmetric(10, 5)).show(ui, |ui| {
-            ui.horizontal(|ui| {
-                ui.with_layout(Layout::right_to_left(egui::Align::Min), |ui| {
-                    let button = ui.add(Button::new("Dismiss").fill(Color32::TRANSPARENT));
-                    if button.clicked() {
-                        dismissed = Some(i);
-                    }
-                    ui.with_layout(Layout::left_to_right(egui::Align::Min).with_main_wrap(true), |ui| {
-                        let count = if message.count > 1 {
-                            format!(" ({} times)", message.count)
-                        } else {
-                            String::new()
-                        };
-                        let text = format!("{}{count}", message.text);
-                        ui.label(RichText::new(text).color(if message.error {
-                            color
-                        } else {
-                            ui.visuals().text_color()
-                        }));
-                    });
-                });
-            });
-        });
+/// The messages, newest last, over the lower edge of the window: they must not move what is looked at. An error stays
+/// until it is dismissed.
+pub fn messages(ui: &Ui, view: &AppView, messages: &mut Messages) {
+    if messages.iter().next().is_none() {
+        return;
     }
+    let mut dismissed = None;
+    let width = (ui.ctx().content_rect().width() - 80.0).min(MESSAGE_WIDTH);
+    egui::Area::new(egui::Id::unique("bvhscope messages"))
+        .order(egui::Order::Foreground)
+        .anchor(egui::Align2::CENTER_BOTTOM, [0.0, -ABOVE_STATUS])
+        .show(ui.ctx(), |ui| {
+            ui.set_width(width);
+            for (i, message) in messages.iter().enumerate() {
+                if message_ui(ui, view, message) {
+                    dismissed = Some(i);
+                }
+            }
+        });
     if let Some(i) = dismissed {
         messages.dismiss(i);
     }
+}
+
+/// One message; whether it was dismissed.
+fn message_ui(ui: &mut Ui, view: &AppView, message: &Message) -> bool {
+    let color = if message.error { view.palette.error } else { view.palette.good };
+    let mut dismissed = false;
+    Frame::popup(ui.style()).stroke(Stroke::new(1.0, color)).inner_margin(Margin::symmetric(12, 7)).show(
+        ui,
+        |ui| {
+            ui.horizontal(|ui| {
+                let count =
+                    if message.count > 1 { format!(" ({} times)", message.count) } else { String::new() };
+                let text =
+                    RichText::new(format!("{}{count}", message.text)).color(ui.visuals().strong_text_color());
+                let room = ui.available_width() - DISMISS_WIDTH;
+                ui.scope(|ui| {
+                    ui.set_width(room);
+                    ui.add(Label::new(text).wrap());
+                });
+                ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| {
+                    dismissed = ui.button("Dismiss").clicked();
+                });
+            });
+        },
+    );
+    dismissed
 }
 
 fn job(

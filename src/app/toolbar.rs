@@ -97,8 +97,12 @@ fn figures(ui: &mut Ui, view: &AppView) {
     figure(ui, format!("{:>5}{goal} {unit}", render.samples), "Samples a pixel so far.");
     let speed = render.msamples_per_s.map_or_else(|| "   –".to_owned(), |m| format!("{m:>5.2}"));
     figure(ui, format!("{speed} M/s"), "Million samples of single pixels a second.");
-    let ms = render.sample_ms.map_or_else(|| "   –".to_owned(), |ms| format!("{ms:>6.1}"));
-    figure(ui, format!("{ms} ms/frame"), "Wall time of the last sample over the whole picture.");
+    let time = match render.sample_ms {
+        None => "    – ms".to_owned(),
+        Some(ms) if ms < 1000.0 => format!("{ms:>5.1} ms"),
+        Some(ms) => format!("{:>5.2} s ", ms * 1e-3),
+    };
+    figure(ui, format!("{time}/frame"), "Wall time of the last sample over the whole picture.");
     if render.measuring {
         ui.label(RichText::new("measuring").color(view.palette.warning)).on_hover_text(
             "A timed measurement runs with nothing beside it: the picture waits, and goes on when you change anything.",

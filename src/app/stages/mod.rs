@@ -172,8 +172,10 @@ impl Jobs {
         ];
         for (what, failure) in failures {
             if let Some(failure) = failure {
+                eprintln!("bvhscope: {what}: {failure}");
                 state.messages.error(format!(
-                    "A bug in bvhscope stopped {what}: {failure}. What is open stays; please report it with the scene."
+                    "A bug in bvhscope stopped {what}. What is open stays; please report it with the scene and what the \
+                     terminal says."
                 ));
             }
         }
