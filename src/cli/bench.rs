@@ -4,13 +4,16 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, ValueParser};
 use clap::{Arg, ArgMatches, Command};
-use serde_json::{Value as Json, json};
+use serde::Serialize;
 
 use super::workshop::Workshop;
 use super::{CliError, args, output};
+use crate::accel::BuildPhase;
 use crate::export::table::{self, TableFormat};
 use crate::export::{atomic, ray_file};
+use crate::render::RenderSettings;
 use crate::render::bench::{Query, RaySet, RaySetKind, TraceResult, make_rays, trace_rays};
+use crate::scene::Camera;
 use crate::world::World;
 
 /// The name of the set whose rays come from a file.
@@ -84,7 +87,7 @@ pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
     }
     output::print(&match output::format(matches) {
         TableFormat::People => people(&world, &rows),
-        TableFormat::Json => table::pretty(&record(&workshop, &world, &rows)),
+        TableFormat::Json => json(&workshop, &world, &rows),
         TableFormat::Csv => csv(&workshop, &world, &rows),
         TableFormat::Markdown => {
             let heading = HEADING.map(str::to_owned);
@@ -153,64 +156,107 @@ impl Row {
         ]
     }
 
-    fn record(&self) -> Json {
+    fn record(&self) -> SetRecord {
         let result = &self.result;
-        let mut record = json!({
-            "set": self.set,
-            "query": self.query.name(),
-            "threads": self.threads,
-            "rays": result.ray_count,
-            "hits": result.hit_count,
-            "sum_t": result.sum_t,
-            "mrays_per_s": result.mrays_per_s(),
-        });
-        if let Some(mismatches) = self.mismatches {
-            record["mismatches"] = json!(mismatches);
+        SetRecord {
+            set: self.set,
+            query: self.query.name(),
+            threads: self.threads,
+            rays: result.ray_count,
+            hits: result.hit_count,
+            sum_t: result.sum_t,
+            mrays_per_s: result.mrays_per_s(),
+            mismatches: self.mismatches,
         }
-        record
     }
 }
 
-/// The tree and its settings, as in the other commands.
-fn settings(workshop: &Workshop, world: &World) -> [(&'static str, Json); 12] {
-    let build = &world.report.config;
-    [
-        ("scene", json!(world.scene.name)),
-        ("shape_count", json!(world.scene.shape_count())),
-        ("name", json!(workshop.session.variants[workshop.session.active].name)),
-        ("builder", json!(build.builder.name())),
-        ("width", json!(build.width.get())),
-        ("widen", json!(build.widen.name())),
-        ("stop", json!(build.stop.name())),
-        ("bins", json!(build.bins)),
-        ("leaf", json!(build.leaf)),
-        ("node_count", json!(world.figures.node_count)),
-        ("build_ms", json!(world.report.build_ms)),
-        ("bytes", json!(world.bytes())),
-    ]
+#[derive(Serialize)]
+struct SetRecord {
+    set: &'static str,
+    query: &'static str,
+    threads: usize,
+    rays: usize,
+    hits: usize,
+    sum_t: f64,
+    mrays_per_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mismatches: Option<usize>,
 }
 
-fn record(workshop: &Workshop, world: &World, rows: &[Row]) -> Json {
-    let settings = settings(workshop, world).map(|(key, value)| (key.to_owned(), value));
-    let mut object: serde_json::Map<_, _> = settings.into_iter().collect();
-    let render = &workshop.session.render;
-    object.insert("size".to_owned(), json!([render.width, render.height]));
-    object.insert("phases".to_owned(), json!(world.report.phases));
-    object.insert("sets".to_owned(), rows.iter().map(Row::record).collect());
-    object.into()
+/// The tree and the settings that gave it, under the keys of the other commands.
+#[derive(Serialize)]
+struct TreeSettings<'a> {
+    scene: &'a str,
+    shape_count: usize,
+    name: &'a str,
+    builder: &'static str,
+    width: usize,
+    bins: usize,
+    leaf: usize,
+    node_count: usize,
+    build_ms: f64,
+    bytes: usize,
+    widen: &'static str,
+    stop: &'static str,
+    traversal_cost: f32,
+    intersection_cost: f32,
 }
 
-/// A line a set and number of threads, with the settings that gave it.
+impl<'a> TreeSettings<'a> {
+    fn of(workshop: &'a Workshop, world: &'a World) -> Self {
+        let build = &world.report.config;
+        Self {
+            scene: &world.scene.name,
+            shape_count: world.scene.shape_count(),
+            name: &workshop.session.variants[workshop.session.active].name,
+            builder: build.builder.name(),
+            width: build.width.get(),
+            bins: build.bins,
+            leaf: build.leaf,
+            node_count: world.figures.node_count,
+            build_ms: world.report.build_ms,
+            bytes: world.bytes(),
+            widen: build.widen.name(),
+            stop: build.stop.name(),
+            traversal_cost: build.traversal_cost,
+            intersection_cost: build.intersection_cost,
+        }
+    }
+}
+
+fn json(workshop: &Workshop, world: &World, rows: &[Row]) -> String {
+    #[derive(Serialize)]
+    struct Whole<'a> {
+        #[serde(flatten)]
+        tree: TreeSettings<'a>,
+        phases: &'a [BuildPhase],
+        settings: RenderSettings,
+        camera: Camera,
+        sets: Vec<SetRecord>,
+    }
+    table::pretty(&Whole {
+        tree: TreeSettings::of(workshop, world),
+        phases: &world.report.phases,
+        settings: workshop.session.render,
+        camera: workshop.camera,
+        sets: rows.iter().map(Row::record).collect(),
+    })
+}
+
+/// A line a set and number of threads, with the tree that answered.
 fn csv(workshop: &Workshop, world: &World, rows: &[Row]) -> String {
-    let settings = settings(workshop, world);
-    let plain = |value: &Json| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
-    let heading = HEADING.into_iter().chain(settings.iter().map(|(key, _)| *key)).map(str::to_owned);
+    let tree = TreeSettings::of(workshop, world);
+    let heading =
+        HEADING.into_iter().chain(["scene", "shape_count", "builder", "width", "bins", "leaf", "build_ms"]);
     let lines = rows.iter().map(|row| {
         let mut cells = row.cells(|v| v.to_string());
-        cells.extend(settings.iter().map(|(_, value)| plain(value)));
+        cells.extend([tree.scene.to_owned(), tree.shape_count.to_string(), tree.builder.to_owned()]);
+        cells.extend([tree.width, tree.bins, tree.leaf].map(|n| n.to_string()));
+        cells.push(tree.build_ms.to_string());
         cells
     });
-    table::csv_text(heading.collect(), lines)
+    table::csv_text(heading.map(str::to_owned).collect(), lines)
 }
 
 fn people(world: &World, rows: &[Row]) -> String {

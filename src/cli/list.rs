@@ -24,7 +24,7 @@ pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
     if matches.get_flag("json") {
         let list: Vec<_> =
             choices.iter().map(|(name, about)| json!({ "name": name, "description": about })).collect();
-        return output::print(&table::pretty(&list.into()));
+        return output::print(&table::pretty(&list));
     }
     let widest = choices.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     let lines: Vec<_> = choices.iter().map(|(name, about)| format!("{name:widest$}  {about}")).collect();

@@ -95,11 +95,11 @@ pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
         }
     }
     output::note(&format!(
-        "{}: {} x {}, {} samples a pixel, {:.1} s",
+        "{}: {} x {} pixels, {} a pixel, {:.1} s",
         film.subject.view.name(),
         film.width,
         film.height,
-        film.samples,
+        if film.samples == 1 { "1 sample".to_owned() } else { format!("{} samples", film.samples) },
         start.elapsed().as_secs_f64()
     ));
     output::print(&out.display().to_string())

@@ -20,7 +20,7 @@ pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
         TableFormat::People => {
             format!("{}\n\n{}", workshop.heading(session.build(), session.count), table::people_one(&stats))
         }
-        TableFormat::Json => table::pretty(&table::record(&stats)),
+        TableFormat::Json => table::json_one(&stats),
         TableFormat::Csv => table::csv(rows),
         TableFormat::Markdown => table::markdown(rows),
     })

@@ -3,6 +3,7 @@
 use image::{Rgba, RgbaImage};
 
 use super::text;
+use crate::inspect::shadow_difference::ClassCounts;
 use crate::render::display::effective_range;
 use crate::render::shadow::ShadowClass;
 use crate::render::{ColorMap, Film, ViewClass};
@@ -16,6 +17,9 @@ const MUTED: [u8; 3] = [164, 169, 180];
 const LETTER: f32 = 15.0;
 const SMALLEST_LETTER: f32 = 11.0;
 const LARGEST_LETTER: f32 = 64.0;
+
+/// A square of colour and the gap behind it, in letters.
+const SWATCH: f32 = 1.5;
 
 /// What the legend says.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,8 +37,8 @@ pub enum LegendKey {
     None,
     /// A colour map over a range.
     Bar { colormap: ColorMap, range: [f32; 2] },
-    /// Colours that stand for classes.
-    Classes(Vec<(&'static str, [u8; 3])>),
+    /// Colours that stand for classes, each with its share of the pixels in its name.
+    Classes(Vec<(String, [u8; 3])>),
 }
 
 impl Legend {
@@ -42,9 +46,7 @@ impl Legend {
     pub fn of(session: &Session, film: &Film, world: &World) -> Self {
         let view = session.view;
         let key = match view.class() {
-            ViewClass::Class => {
-                LegendKey::Classes(ShadowClass::ALL.map(|class| (class.name(), class.color())).to_vec())
-            }
+            ViewClass::Class => LegendKey::Classes(shadow_classes(film)),
             ViewClass::Heat | ViewClass::Distance => match effective_range(film, &session.display) {
                 Some(range) => LegendKey::Bar { colormap: session.display.colormap, range },
                 None => LegendKey::None,
@@ -77,14 +79,12 @@ impl Legend {
             LegendKey::None => {}
             LegendKey::Bar { colormap, range } => draw_bar(whole, y, layout, *colormap, *range),
             LegendKey::Classes(classes) => {
-                for (i, (name, color)) in classes.iter().enumerate() {
-                    let y = y + i as f32 * layout.letter * 1.4;
-                    fill(
-                        whole,
-                        [layout.margin, y + 0.15 * layout.letter, layout.letter, layout.letter],
-                        |_| *color,
-                    );
-                    text::draw(whole, (layout.margin + 1.6 * layout.letter, y), name, layout.letter, BRIGHT);
+                for ((name, color), [x, line]) in
+                    classes.iter().zip(flow(classes, layout.letter, layout.room))
+                {
+                    let (x, y) = (layout.margin + x, y + line * layout.letter * 1.5);
+                    fill(whole, [x, y + 0.02 * layout.letter, layout.letter, layout.letter], |_| *color);
+                    text::draw(whole, (x + SWATCH * layout.letter, y), name, layout.letter, BRIGHT);
                 }
             }
         }
@@ -96,10 +96,38 @@ impl Legend {
     }
 }
 
+/// The classes of a shadow difference, with their shares of the pixels.
+fn shadow_classes(film: &Film) -> Vec<(String, [u8; 3])> {
+    let counts = ClassCounts::of(film);
+    let total = f64::from(film.width) * f64::from(film.height);
+    let name = |class: ShadowClass| match &counts {
+        Some(counts) => format!("{}: {:.1} %", class.name(), 100.0 * counts.get(class) as f64 / total),
+        None => class.name().to_owned(),
+    };
+    ShadowClass::ALL.map(|class| (name(class), class.color())).to_vec()
+}
+
+/// Where each class stands: its distance from the margin in pixels, and its line.
+fn flow(classes: &[(String, [u8; 3])], letter: f32, room: f32) -> Vec<[f32; 2]> {
+    let (mut x, mut line) = (0.0, 0.0);
+    let place = |(name, _): &(String, [u8; 3])| {
+        let width = SWATCH * letter + text::width(name, letter);
+        if x > 0.0 && x + width > room {
+            (x, line) = (0.0, line + 1.0);
+        }
+        let place = [x, line];
+        x += width + 2.0 * letter;
+        place
+    };
+    classes.iter().map(place).collect()
+}
+
 /// Where everything goes; lengths in pixels.
 struct Layout {
     letter: f32,
     margin: f32,
+    /// Between the margins.
+    room: f32,
     title: Vec<String>,
     key_height: f32,
     lines: Vec<String>,
@@ -116,13 +144,16 @@ impl Layout {
         let key_height = match &legend.key {
             LegendKey::None => 0.0,
             LegendKey::Bar { .. } => letter * 3.2,
-            LegendKey::Classes(classes) => letter * (1.4 * classes.len() as f32 + 0.4),
+            LegendKey::Classes(classes) => {
+                let lines = flow(classes, letter, room).last().map_or(0.0, |[_, line]| line + 1.0);
+                letter * (1.5 * lines + 0.4)
+            }
         };
         let height = 2.0 * margin
             + title.len() as f32 * letter * 1.5
             + key_height
             + lines.len() as f32 * letter * 1.35;
-        Self { letter, margin, title, key_height, lines, height: height.ceil() as u32 }
+        Self { letter, margin, room, title, key_height, lines, height: height.ceil() as u32 }
     }
 }
 
@@ -253,7 +284,7 @@ mod tests {
         for key in [
             LegendKey::None,
             LegendKey::Bar { colormap: ColorMap::Greys, range: [0.0, 40.0] },
-            LegendKey::Classes(vec![("lit", [200, 0, 0]), ("dark", [0, 200, 0])]),
+            LegendKey::Classes(vec![("lit".to_owned(), [200, 0, 0]), ("dark".to_owned(), [0, 200, 0])]),
         ] {
             let whole = legend(key.clone()).below(&picture);
             assert_eq!(whole.width(), 320);

@@ -2,8 +2,10 @@
 //! columns in [`crate::inspect::columns`].
 
 use comfy_table::{CellAlignment, LineStyle, Table, TableStyle, presets};
-use serde_json::{Map, Value as Json, json};
+use serde::{Serialize, Serializer};
 
+use crate::accel::build::BuildPhase;
+use crate::accel::quality::{DepthLevel, SahCost};
 use crate::inspect::columns::{COLUMNS, Column, TreeRecord, best_rows, comparing};
 use crate::inspect::compare::{ComparedFigure, Comparison};
 use crate::inspect::stats::TreeStats;
@@ -36,28 +38,37 @@ impl TableFormat {
 }
 
 /// One tree as an object with every column, the phases of its build, its levels and leaf sizes.
-pub fn record(stats: &TreeStats) -> Json {
-    let mut object = plain(&TreeRecord(stats));
-    let about = [
-        ("phases", plain(&stats.phases)),
-        ("ray_count", json!(stats.rays.ray_count)),
-        ("missed_root_count", json!(stats.rays.missed_root_count)),
-        ("leaf_visits_mean", plain(&stats.rays.leaf_visits_mean)),
-        ("sah_cost_parts", plain(&stats.figures.sah_cost)),
-        ("overlap_sum", plain(&stats.figures.overlap)),
-        ("leaf_sizes", plain(&stats.figures.leaf_sizes)),
-        ("levels", plain(&stats.figures.levels)),
-        ("threads", plain(&stats.times.map(|times| times.threads))),
-    ];
-    if let Json::Object(map) = &mut object {
-        map.extend(about.map(|(key, value)| (key.to_owned(), value)));
+pub fn json_one(stats: &TreeStats) -> String {
+    #[derive(Serialize)]
+    struct Whole<'a> {
+        #[serde(flatten)]
+        record: TreeRecord<'a>,
+        threads: Option<usize>,
+        ray_count: u64,
+        missed_root_count: u64,
+        leaf_visits_mean: Option<f64>,
+        phases: &'a [BuildPhase],
+        sah_cost_parts: Option<SahCost>,
+        leaf_sizes: &'a [usize],
+        levels: &'a [DepthLevel],
     }
-    object
+    let (rays, figures) = (&stats.rays, &stats.figures);
+    pretty(&Whole {
+        record: TreeRecord(stats),
+        threads: stats.times.map(|times| times.threads),
+        ray_count: rays.ray_count,
+        missed_root_count: rays.missed_root_count,
+        leaf_visits_mean: rays.leaf_visits_mean,
+        phases: &stats.phases,
+        sah_cost_parts: figures.sah_cost,
+        leaf_sizes: &figures.leaf_sizes,
+        levels: &figures.levels,
+    })
 }
 
 /// One object a tree.
 pub fn json(rows: &[TreeStats]) -> String {
-    pretty(&Json::Array(rows.iter().map(|row| plain(&TreeRecord(row))).collect()))
+    pretty(&rows.iter().map(TreeRecord).collect::<Vec<_>>())
 }
 
 /// A line a tree under the columns' keys; nothing between commas for what is undefined.
@@ -134,13 +145,24 @@ pub fn compared(comparison: &Comparison) -> String {
 
 /// A, B and every difference as an object.
 pub fn compared_json(comparison: &Comparison) -> String {
-    let differences: Map<_, _> =
-        comparison.rows.iter().map(|row| (row.column.key.to_owned(), plain(row))).collect();
-    pretty(&json!({
-        "a": plain(&TreeRecord(&comparison.a)),
-        "b": plain(&TreeRecord(&comparison.b)),
-        "differences": differences,
-    }))
+    /// Differences under their figures' keys, in the order of the columns.
+    struct Differences<'a>(&'a [ComparedFigure]);
+    impl Serialize for Differences<'_> {
+        fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+            serializer.collect_map(self.0.iter().map(|row| (row.column.key, row)))
+        }
+    }
+    #[derive(Serialize)]
+    struct Whole<'a> {
+        a: TreeRecord<'a>,
+        b: TreeRecord<'a>,
+        differences: Differences<'a>,
+    }
+    pretty(&Whole {
+        a: TreeRecord(&comparison.a),
+        b: TreeRecord(&comparison.b),
+        differences: Differences(&comparison.rows),
+    })
 }
 
 /// A line a figure: key, A, B, difference, percent.
@@ -198,12 +220,8 @@ pub fn markdown_text(
 }
 
 /// JSON with line breaks.
-pub fn pretty(value: &Json) -> String {
+pub fn pretty(value: &impl Serialize) -> String {
     serde_json::to_string_pretty(value).expect("plain data") + "\n"
-}
-
-fn plain(value: &impl serde::Serialize) -> Json {
-    serde_json::to_value(value).expect("plain data")
 }
 
 fn phases(stats: &TreeStats) -> String {
@@ -243,6 +261,8 @@ fn right_align(table: &mut Table, columns: std::ops::Range<usize>) {
 
 #[cfg(test)]
 mod tests {
+    use serde_json::{Value as Json, json};
+
     use super::*;
     use crate::inspect::stats::tests::example;
 
@@ -255,11 +275,15 @@ mod tests {
 
     #[test]
     fn json_is_one_object_a_tree_with_null_for_the_undefined() {
-        let rows: Json = serde_json::from_str(&json(&two())).expect("JSON");
+        let rows: Json = serde_json::from_str(&super::json(&two())).expect("JSON");
         assert_eq!(rows.as_array().map(Vec::len), Some(2));
         assert_eq!((&rows[1]["node_count"], &rows[1]["build_ms"]), (&json!(5857), &json!(3.25)));
+        assert!(
+            super::json(&two()).find("\"scene\"") < super::json(&two()).find("\"shape_count\""),
+            "in order"
+        );
         assert!(rows[0]["epo"].is_null() && rows[0].get("epo").is_some());
-        let one = record(&example("A"));
+        let one: Json = serde_json::from_str(&json_one(&example("A"))).expect("JSON");
         assert_eq!((&one["name"], &one["leaf_sizes"]), (&json!("A"), &json!([0, 961, 2008])));
     }
 
