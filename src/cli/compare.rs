@@ -22,7 +22,9 @@ pub fn command() -> Command {
 
 pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
     let [a, b] = sides(&args::session(matches)?, matches)?;
-    let comparison = Comparison::of(measured("A", a)?, measured("B", b)?);
+    let a = Workshop::open(a)?;
+    let b = a.reopen(b)?;
+    let comparison = Comparison::of(measured("A", &a)?, measured("B", &b)?);
     output::print(&match output::format(matches) {
         TableFormat::People => {
             let stats = &comparison.a;
@@ -59,8 +61,7 @@ fn sides(base: &Session, matches: &ArgMatches) -> Result<[Session; 2], CliError>
     Ok(sides)
 }
 
-fn measured(name: &str, session: Session) -> Result<TreeStats, CliError> {
-    let workshop = Workshop::open(session)?;
+fn measured(name: &str, workshop: &Workshop) -> Result<TreeStats, CliError> {
     let session = &workshop.session;
     let measurement = workshop.measurement(session.count);
     workshop.run(&format!("measuring {name}"), |task| {

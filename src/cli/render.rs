@@ -9,11 +9,12 @@ use clap::{Arg, ArgAction, ArgMatches, Command};
 use image::RgbaImage;
 
 use super::workshop::Workshop;
-use super::{CliError, args, output};
+use super::{CliError, args, output, progress};
 use crate::export::legend::Legend;
-use crate::export::{atomic, exr, raw_csv, session_file};
+use crate::export::{ExportError, atomic, exr, raw_csv, session_file};
 use crate::render::{Film, Overlay, display, integrate, overlay};
 use crate::session::{Session, file};
+use crate::task::Task;
 use crate::world::World;
 
 /// Kinds of files, by extension.
@@ -75,24 +76,25 @@ pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
     let workshop = Workshop::open(session)?;
     let world = workshop.build()?;
     let film = film(&workshop, &world)?;
+    let legend = matches.get_flag("legend");
+    if format != Format::Png && (legend || workshop.session.overlay.depths.is_some()) {
+        output::warn("a file of raw numbers holds neither boxes nor a legend");
+    }
+    let session = finished(&workshop.session, &film);
     match format {
         Format::Png => {
-            let mut picture = display::picture(&film, &workshop.session.display);
+            let mut picture = display::picture(&film, &session.display);
             draw_boxes(&workshop, &world, &mut picture)?;
-            if matches.get_flag("legend") {
-                picture = Legend::of(&workshop.session, &film, &world).below(&picture);
+            if legend {
+                picture = Legend::of(&session, &film, &world).below(&picture);
             }
-            session_file::save_picture(&picture, &finished(&workshop.session, &film), out)?;
+            writing(|| session_file::save_picture(&picture, &session, out))?;
         }
         Format::Exr => {
-            warn_of_raw(matches, &workshop.session);
-            let text = file::to_text(&finished(&workshop.session, &film), out.parent());
-            exr::save(&[&film], Some(&text), out)?;
+            let text = file::to_text(&session, out.parent());
+            writing(|| exr::save(&[&film], Some(&text), out))?;
         }
-        Format::Csv => {
-            warn_of_raw(matches, &workshop.session);
-            raw_csv::save(&film, out)?;
-        }
+        Format::Csv => writing(|| raw_csv::save(&film, out))?,
     }
     output::note(&format!(
         "{}: {} x {} pixels, {} a pixel, {:.1} s",
@@ -146,8 +148,7 @@ fn warn_of_omissions(drawn: &Overlay) {
     }
 }
 
-fn warn_of_raw(matches: &ArgMatches, session: &Session) {
-    if matches.get_flag("legend") || session.overlay.depths.is_some() {
-        output::warn("a file of raw numbers holds neither boxes nor a legend");
-    }
+/// Large files take their time, too.
+fn writing(write: impl FnOnce() -> Result<(), ExportError>) -> Result<(), ExportError> {
+    progress::watch("writing the file", &Task::new(), write)
 }

@@ -22,6 +22,8 @@ pub struct Workshop {
     pub session: Session,
     /// At the session's time.
     pub scene: Arc<Scene>,
+    /// As loaded.
+    still: Arc<Scene>,
     pub camera: Camera,
     pool: Arc<ThreadPool>,
 }
@@ -39,7 +41,19 @@ impl Workshop {
         });
         let prepared = opened?;
         prepared.warnings.iter().for_each(|warning| output::warn(warning));
-        Ok(Self { session, scene: prepared.scene, camera: prepared.camera, pool })
+        let prepare::Prepared { still, scene, camera, .. } = prepared;
+        Ok(Self { session, scene, still, camera, pool })
+    }
+
+    /// The workshop of another session of the same scene: what was loaded is not loaded again, if it can be shared.
+    pub fn reopen(&self, session: Session) -> Result<Self, CliError> {
+        let of = |session: &Session| (session.scene.reference.clone(), session.up, session.render.threads);
+        if of(&session) != of(&self.session) {
+            return Self::open(session);
+        }
+        let scene = prepare::stage(&self.still, &session);
+        let camera = prepare::camera(&scene, &session);
+        Ok(Self { session, scene, still: Arc::clone(&self.still), camera, pool: Arc::clone(&self.pool) })
     }
 
     /// Does work on the session's threads while its progress is shown.

@@ -54,8 +54,8 @@ impl Legend {
             ViewClass::Radiance | ViewClass::Data => LegendKey::None,
         };
         let title = match view.counter() {
-            Some(_) => format!("{}: {} ({} rays)", view.name(), view.description(), session.count.name()),
-            None => format!("{}: {}", view.name(), view.description()),
+            Some(_) => format!("{} ({} rays)", view.description(), session.count.name()),
+            None => view.description().to_owned(),
         };
         Self { title, key, lines: settings_lines(session, film, world) }
     }
@@ -270,7 +270,8 @@ mod tests {
 
     fn legend(key: LegendKey) -> Legend {
         Legend {
-            title: "nodes-visited: inner nodes and leaves that a ray visits (camera rays)".to_owned(),
+            title: "nodes visited: inner nodes whose children's boxes were tested, and leaves (camera rays)"
+                .to_owned(),
             key,
             lines: vec![
                 "bunny, 4977 shapes; binned builder with 16 bins, at most 2 shapes a leaf".to_owned(),
