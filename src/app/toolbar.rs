@@ -63,11 +63,8 @@ fn count_combo(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
 
 fn toggles(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
     let paused = view.render.paused;
-    let (text, about) = if paused {
-        ("▶ Resume", "Go on rendering (Space)")
-    } else {
-        ("⏸ Pause", "Stop rendering (Space)")
-    };
+    let (text, about) =
+        if paused { ("Resume", "Go on rendering (Space)") } else { ("Pause", "Stop rendering (Space)") };
     if ui.add(Button::new(text).min_size(egui::vec2(78.0, 0.0))).on_hover_text(about).clicked() {
         commands.push(Command::SetPaused(!paused));
     }
