@@ -300,6 +300,7 @@ fn bench_traces_three_sets_on_one_thread_and_on_all() {
     }
     assert_eq!(bench["sets"][0]["rays"], 64 * 36);
     assert_eq!(bench["sets"][0]["sum_t"], bench["sets"][1]["sum_t"]);
+    assert!(bench["build_one_thread_ms"].as_f64() > Some(0.0));
     assert!(bench["build_ms"].as_f64() > Some(0.0) && bench["node_count"].as_u64() > Some(1000));
 }
 

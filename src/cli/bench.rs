@@ -76,7 +76,8 @@ pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
     }
 
     let workshop = Workshop::open(session)?;
-    let world = workshop.build()?;
+    let one_thread_ms = workshop.timed_build(1)?.report.build_ms;
+    let world = workshop.timed_build(workshop.threads())?;
     let sets = match from_file {
         Some(rays) => vec![(FILE_SET, RaySet { rays, query: query(matches) })],
         None => camera_sets(&workshop, &world)?,
@@ -86,8 +87,8 @@ pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
         ray_file::write_answers(out, &row.result.answers)?;
     }
     output::print(&match output::format(matches) {
-        TableFormat::People => people(&world, &rows),
-        TableFormat::Json => json(&workshop, &world, &rows),
+        TableFormat::People => people(&world, one_thread_ms, &rows),
+        TableFormat::Json => json(&workshop, &world, one_thread_ms, &rows),
         TableFormat::Csv => csv(&workshop, &world, &rows),
         TableFormat::Markdown => {
             let heading = HEADING.map(str::to_owned);
@@ -225,11 +226,14 @@ impl<'a> TreeSettings<'a> {
     }
 }
 
-fn json(workshop: &Workshop, world: &World, rows: &[Row]) -> String {
+fn json(workshop: &Workshop, world: &World, one_thread_ms: f64, rows: &[Row]) -> String {
     #[derive(Serialize)]
     struct Whole<'a> {
         #[serde(flatten)]
         tree: TreeSettings<'a>,
+        /// Build time on one thread; `build_ms` is that on all.
+        build_one_thread_ms: f64,
+        threads: usize,
         phases: &'a [BuildPhase],
         settings: RenderSettings,
         camera: Camera,
@@ -237,6 +241,8 @@ fn json(workshop: &Workshop, world: &World, rows: &[Row]) -> String {
     }
     table::pretty(&Whole {
         tree: TreeSettings::of(workshop, world),
+        build_one_thread_ms: one_thread_ms,
+        threads: workshop.threads(),
         phases: &world.report.phases,
         settings: workshop.session.render,
         camera: workshop.camera,
@@ -259,7 +265,7 @@ fn csv(workshop: &Workshop, world: &World, rows: &[Row]) -> String {
     table::csv_text(heading.map(str::to_owned).collect(), lines)
 }
 
-fn people(world: &World, rows: &[Row]) -> String {
+fn people(world: &World, one_thread_ms: f64, rows: &[Row]) -> String {
     let build = &world.report.config;
     let columns = if rows.iter().any(|row| row.mismatches.is_some()) { 8 } else { 7 };
     let cells = |row: &Row| {
@@ -268,13 +274,16 @@ fn people(world: &World, rows: &[Row]) -> String {
         cells
     };
     format!(
-        "{}, {} shapes; {} builder, width {}, {} nodes, built in {:.2} ms\n\n{}",
+        "{}, {} shapes; {} builder, width {}, {} nodes, built in {:.2} ms on one thread, {:.2} ms \
+         on {}\n\n{}",
         world.scene.name,
         world.scene.shape_count(),
         build.builder.name(),
         build.width.name(),
         world.figures.node_count,
+        one_thread_ms,
         world.report.build_ms,
+        world.report.threads,
         table::aligned(HEADING[..columns].iter().map(|&h| h.to_owned()).collect(), rows.iter().map(cells))
     )
 }

@@ -73,6 +73,29 @@ impl Workshop {
         self.run(&what, |task| World::build(Arc::clone(&self.scene), self.session.build(), task))
     }
 
+    /// Builds the session's tree several times on some threads; the report is that of the median build time.
+    pub fn timed_build(&self, threads: usize) -> Result<World, CliError> {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build()?;
+        let what = format!("building on {threads} threads over {} shapes", self.scene.shape_count());
+        let task = Task::new();
+        let built = progress::watch(&what, &task, || {
+            task.start(BUILDS as u64);
+            let mut reports = Vec::new();
+            loop {
+                let build = || World::build(Arc::clone(&self.scene), self.session.build(), &task.step());
+                let mut world = pool.install(build)?;
+                task.advance(1);
+                reports.push(world.report.clone());
+                if reports.len() == BUILDS {
+                    reports.sort_by(|a, b| a.build_ms.total_cmp(&b.build_ms));
+                    world.report = reports.swap_remove(BUILDS / 2);
+                    return Ok::<_, Cancelled>(world);
+                }
+            }
+        });
+        built.map_err(|error| CliError::Failed(anyhow!(error)))
+    }
+
     /// What trees are measured on under this session.
     pub fn measurement(&self, count: CountKind) -> Measurement<'_> {
         Measurement {

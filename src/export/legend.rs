@@ -6,7 +6,7 @@ use super::text;
 use crate::inspect::shadow_difference::ClassCounts;
 use crate::render::display::effective_range;
 use crate::render::shadow::ShadowClass;
-use crate::render::{ColorMap, Film, ViewClass};
+use crate::render::{BoxStyle, ColorMap, Film, ViewClass};
 use crate::session::Session;
 use crate::world::World;
 
@@ -179,11 +179,11 @@ fn settings_lines(session: &Session, film: &Film, world: &World) -> Vec<String> 
     }
     if let Some([min, max]) = session.overlay.depths {
         let which = if session.overlay.leaves_only { "leaves" } else { "boxes" };
-        picture += &format!(
-            "; {which} of depths {min} to {max}, {} coloured by {}",
-            session.overlay.style.name(),
-            session.overlay.color.name()
-        );
+        let how = match session.overlay.style {
+            BoxStyle::Density => "counted".to_owned(),
+            BoxStyle::Wire | BoxStyle::Fill => format!("coloured {}", session.overlay.color.description()),
+        };
+        picture += &format!("; {which} of depths {min} to {max}, {how}");
     }
     vec![format!("{}, {} shapes; {tree}", world.scene.name, world.scene.shape_count()), picture]
 }
