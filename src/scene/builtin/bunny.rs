@@ -32,7 +32,7 @@ pub(super) fn make() -> Scene {
     let sphere = scene.sphere(Vec3::new(1.38, 0.52, -0.75), 0.52, mirror);
     scene.track(Track::Shape { shape: sphere, motion: Motion::Bounce { height: 0.8 } });
 
-    let glass = scene.glass("glass cuboid", Vec3::new(0.30, 0.10, 0.12));
+    let glass = scene.glass("glass cuboid", Vec3::new(0.85, 0.22, 0.30));
     let half = Vec3::new(0.26, 0.44, 0.26);
     // A hair above the floor: no two surfaces in one plane.
     let place = Rigid::new(Quat::from_rotation_y(0.55), Vec3::new(-1.2, half.y + 0.004, 0.4));
@@ -43,7 +43,7 @@ pub(super) fn make() -> Scene {
     scene.finish(Camera {
         eye: Vec3::new(0.35, 1.32, 3.35),
         target: Vec3::new(0.0, 0.78, -0.3),
-        fov_y_degrees: 46.0,
+        fov_y_degrees: 39.0,
         up: UpAxis::Y,
     })
 }
@@ -75,10 +75,10 @@ fn add_room(scene: &mut Assembly) {
     };
     let floor = scene.surface("floor", checker, 0.3);
     let ceiling = scene.matt("ceiling", Vec3::new(0.82, 0.79, 0.74));
-    let plaster = scene.matt("plaster", Vec3::new(0.72, 0.60, 0.47));
+    let plaster = scene.matt("plaster", Vec3::new(0.78, 0.67, 0.54));
     let terracotta = scene.matt("terracotta", Vec3::new(0.68, 0.32, 0.20));
     let sage = scene.matt("sage", Vec3::new(0.36, 0.50, 0.42));
-    let light = scene.emissive("light", Vec3::new(13.0, 11.6, 9.6));
+    let light = scene.emissive("light", Vec3::new(8.2, 7.4, 6.3));
 
     scene.quad(ROOM_MIN, z, x, floor);
     scene.quad(ROOM_MIN + y, x, z, ceiling);
@@ -87,7 +87,7 @@ fn add_room(scene: &mut Assembly) {
     scene.quad(ROOM_MIN, y, z, terracotta);
     scene.quad(ROOM_MIN + x, z, y, sage);
 
-    let half = Vec3::new(0.75, 0.0, 0.55);
+    let half = Vec3::new(1.15, 0.0, 0.8);
     let middle = Vec3::new(-0.35, ROOM_MAX.y - 0.02, -0.1);
     scene.quad(middle - half, Vec3::X * 2.0 * half.x, Vec3::Z * 2.0 * half.z, light);
 }

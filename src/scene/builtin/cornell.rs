@@ -13,7 +13,7 @@ pub(super) fn make() -> Scene {
     let white = scene.matt("white", Vec3::new(0.73, 0.71, 0.68));
     let red = scene.matt("red", Vec3::new(0.57, 0.04, 0.044));
     let green = scene.matt("green", Vec3::new(0.11, 0.41, 0.09));
-    let lamp = scene.emissive("light", Vec3::new(18.4, 13.6, 7.6) * 1.1);
+    let lamp = scene.emissive("light", Vec3::new(47.0, 36.0, 21.0));
 
     // The measured corners are those of right prisms, turned about the vertical.
     let block = |middle: Vec3, degrees: f32| Rigid::new(Quat::from_rotation_y(degrees.to_radians()), middle);

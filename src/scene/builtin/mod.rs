@@ -3,6 +3,7 @@
 mod asset;
 mod bunny;
 mod cornell;
+mod curved;
 mod room;
 mod sliver;
 mod soup;

@@ -42,7 +42,7 @@ pub(super) fn make() -> Scene {
     }
     scene.whole_mesh(Mesh::flat(positions, &triangles), materials);
     light_cube(&mut scene);
-    scene.finish(Camera::framing(&Aabb::new(Vec3::splat(-0.95), Vec3::splat(0.95)), UpAxis::Y))
+    scene.finish(Camera::framing(&Aabb::new(Vec3::splat(-0.8), Vec3::splat(0.8)), UpAxis::Y))
 }
 
 #[cfg(test)]

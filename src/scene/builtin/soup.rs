@@ -40,10 +40,10 @@ pub(super) fn count(parameter: Option<&str>) -> Result<usize, LoadError> {
     }
 }
 
-/// A soup of `count` triangles in the cube from -1 to 1. Their size falls with the number, so that about as much can be
-/// seen into it.
+/// A soup of `count` triangles in the cube from -1 to 1. Their area falls as the number grows, so that a ray
+/// meets about as many.
 pub(super) fn make(name: &str, count: usize, task: &Task) -> Result<Scene, LoadError> {
-    let size = 0.9 / (count as f32).powf(0.38).max(1.0);
+    let size = (30.0 / count as f32).sqrt().min(0.9);
     let mut positions = vec![Vec3::ZERO; count * 3];
     let mut materials = vec![0; count];
     let chunks = positions.par_chunks_mut(CHUNK * 3).zip(materials.par_chunks_mut(CHUNK)).enumerate();
@@ -82,6 +82,6 @@ fn fill_triangle(triangle: &mut [Vec3], size: f32, random: &mut Pcg32) {
 
 /// Light that is no shape, above and in front of the cube from -1 to 1, and a sky.
 pub(super) fn light_cube(scene: &mut Assembly) {
-    scene.light(Light::panel(Vec3::new(1.2, 3.4, 2.6), Vec3::ZERO, 2.2, Vec3::splat(9.0)));
-    scene.sky(Vec3::new(0.42, 0.50, 0.62));
+    scene.light(Light::panel(Vec3::new(1.2, 3.4, 2.6), Vec3::ZERO, 2.2, Vec3::new(13.0, 12.2, 11.0)));
+    scene.sky(Vec3::new(0.17, 0.20, 0.26));
 }

@@ -35,7 +35,8 @@ pub(super) fn make() -> Scene {
     scene.quad(Vec3::new(-GROUND_HALF, 0.0, -GROUND_HALF), Vec3::Z * side, Vec3::X * side, ground);
 
     let materials = materials(&mut scene);
-    let heroes = [materials[0], materials[1], materials[4]];
+    let gold = scene.mirror("gold", Vec3::new(0.94, 0.72, 0.38));
+    let heroes = [gold, materials[1], materials[4]];
     for ((x, z, radius), material) in HEROES.into_iter().zip(heroes) {
         scene.sphere(Vec3::new(x, radius, z), radius, material);
     }
@@ -51,8 +52,8 @@ pub(super) fn make() -> Scene {
         scene.sphere(center, radius, material);
     }
 
-    scene.sky(Vec3::new(0.46, 0.58, 0.78));
-    let sun = Vec3::new(21.0, 18.5, 15.0);
+    scene.sky(Vec3::new(0.30, 0.42, 0.62));
+    let sun = Vec3::new(25.0, 22.0, 17.5);
     scene.light(Light::panel(Vec3::new(-8.0, 12.0, 5.0), Vec3::ZERO, 5.5, sun));
     scene.finish(Camera {
         eye: Vec3::new(0.6, 2.1, 7.6),

@@ -6,11 +6,11 @@ use crate::scene::assembly::Assembly;
 use crate::scene::{Camera, Light, Scene, UpAxis};
 
 /// A sky that keeps shadows readable.
-const SKY: Vec3 = Vec3::new(0.24, 0.26, 0.29);
+const SKY: Vec3 = Vec3::new(0.20, 0.22, 0.25);
 /// The sky over a model that has lamps of its own.
 const FAINT_SKY: Vec3 = Vec3::new(0.02, 0.022, 0.026);
 /// Sized so that a matt grey surface at the model's middle is about middle grey.
-const LIGHT: Vec3 = Vec3::new(4.3, 4.1, 3.8);
+const LIGHT: Vec3 = Vec3::new(5.6, 5.3, 4.9);
 
 /// The scene, framed by its camera. Unless it has lamps of its own, it is lit from above, the front and the left.
 pub(super) fn finish(assembly: Assembly, up: UpAxis) -> Scene {
