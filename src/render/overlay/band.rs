@@ -25,7 +25,7 @@ const LINE_ALPHA: [f32; 2] = [0.3, 0.95];
 const LARGE: f32 = 64.0;
 
 /// Opacity of the sides towards the viewer of the smallest boxes, and of one that fills the picture.
-const FRONT_ALPHA: [f32; 2] = [0.34, 0.05];
+const FRONT_ALPHA: [f32; 2] = [0.34, 0.035];
 /// Opacity of the sides away from the viewer, against those towards him.
 const BACK_ALPHA: f32 = 0.35;
 /// Opacity of the lines around sides, against lines alone.
