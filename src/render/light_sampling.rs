@@ -3,13 +3,13 @@
 //! Spheres are sampled within the cone that they fill (Shirley, Wang, Zimmerman, "Monte Carlo Techniques for Direct
 //! Lighting Calculations", 1996), every other shape by its area, the dome by the cosine against the receiver.
 
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 use glam::{Vec2, Vec3};
 
 use super::bsdf::{ShadingFrame, cosine_weighted};
 use super::sampler::Sampler;
-use crate::geometry::{Ray, Shape, Sphere, SurfaceSample};
+use crate::geometry::{Ray, Shape, ShapeKind, Sphere, SurfaceSample};
 use crate::scene::{Light, MaterialKind, Scene, Surface};
 
 /// The share of picks that the sky gets beside other lights. Small: it is everywhere, and scattered rays find it.
@@ -149,6 +149,18 @@ impl<'s> LightTable<'s> {
         }
     }
 
+    /// Whether a point of the light number `index` that is seen from one place is seen from nearby places, too, as on flat
+    /// and round lights; a cuboid may show another side.
+    pub fn shows_one_side(&self, index: usize) -> bool {
+        match self.scene.lights[index] {
+            Light::Point { .. } | Light::Panel { .. } => true,
+            Light::Shape { shape } => match self.scene.shapes[shape as usize].kind {
+                ShapeKind::Triangle | ShapeKind::Quad | ShapeKind::Sphere => true,
+                ShapeKind::Cuboid | ShapeKind::Torus => false,
+            },
+        }
+    }
+
     /// The PDF by solid angle with which [`LightTable::sample`] would have drawn the point of an emitter that a ray of unit
     /// `direction` from `from` hit at `distance`; 0 for one that it never draws.
     pub fn pdf_of_hit(&self, from: Vec3, direction: Vec3, distance: f32, hit: &Surface) -> f32 {
@@ -276,20 +288,111 @@ fn cone(sphere: &Sphere, from: Vec3) -> Option<Cone> {
 fn cone_point(sphere: &Sphere, from: Vec3, u: Vec2) -> Option<LightPoint> {
     let cone = cone(sphere, from)?;
     let distance = cone.way.length();
-    let one_minus_cos = u.x * cone.one_minus_cos;
+    let disk = concentric_disk(u);
+    // As uniform in the cone as the point is in the disk: both areas grow with the squared radius.
+    let one_minus_cos = disk.length_squared().min(1.0) * cone.one_minus_cos;
     let cos = 1.0 - one_minus_cos;
     let sin2 = one_minus_cos * (2.0 - one_minus_cos);
     // Where that ray enters the sphere.
     let half_chord2 = sphere.radius * sphere.radius - distance * distance * sin2;
     let t = distance * cos - half_chord2.max(0.0).sqrt();
-    let (sin_phi, cos_phi) = (TAU * u.y).sin_cos();
+    let across = disk.normalize_or_zero();
     let axis = cone.way / distance;
     let (tangent, bitangent) = axis.any_orthonormal_pair();
-    let direction = sin2.sqrt() * (cos_phi * tangent + sin_phi * bitangent) + cos * axis;
+    let direction = sin2.sqrt() * (across.x * tangent + across.y * bitangent) + cos * axis;
     let normal = (t * direction - cone.way).try_normalize()?;
     let position = sphere.center + sphere.radius * normal;
     // Centre, product and sum are each rounded once, and the unit normal four times.
     let error = (sphere.center.abs() + Vec3::splat(6.0 * sphere.radius)) * f32::EPSILON;
     let point = SurfaceSample { position, error, normal, uv: Vec2::ZERO };
     Some(LightPoint { point, pdf: cone.pdf })
+}
+
+/// A uniform point of the unit disk; the centre of the square maps to that of the disk, and neighbours stay neighbours
+/// (Shirley and Chiu, "A Low Distortion Map Between Disk and Square", 1997).
+fn concentric_disk(u: Vec2) -> Vec2 {
+    let p = 2.0 * u - 1.0;
+    if p == Vec2::ZERO {
+        return Vec2::ZERO;
+    }
+    let (radius, angle) = if p.x.abs() > p.y.abs() {
+        (p.x, FRAC_PI_4 * (p.y / p.x))
+    } else {
+        (p.y, FRAC_PI_2 - FRAC_PI_4 * (p.x / p.y))
+    };
+    radius * Vec2::from_angle(angle)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Sky;
+
+    #[test]
+    fn the_disk_is_filled_evenly_from_its_centre() {
+        assert_eq!(concentric_disk(Vec2::splat(0.5)), Vec2::ZERO);
+        const N: usize = 400;
+        let mut rings = [0usize; 10];
+        let mut sum = Vec2::ZERO;
+        for i in 0..N * N {
+            let p = concentric_disk((Vec2::new((i % N) as f32, (i / N) as f32) + 0.5) / N as f32);
+            rings[((p.length_squared() * 10.0) as usize).min(9)] += 1;
+            sum += p;
+        }
+        // Rings of equal area, off by the square's points on a ring at most.
+        assert!(rings.iter().all(|r| r.abs_diff(N * N / 10) < 4 * N), "{rings:?}");
+        assert!(sum.length() < 1.0);
+    }
+
+    #[test]
+    fn the_cone_of_a_tiny_far_sphere_has_its_solid_angle() {
+        let sphere = Sphere { center: Vec3::Z * 1000.0, radius: 0.01 };
+        let cone = cone(&sphere, Vec3::ZERO).expect("seen from outside");
+        let solid_angle = std::f64::consts::PI * 1e-10;
+        assert!((f64::from(cone.pdf) * solid_angle - 1.0).abs() < 1e-4);
+        assert!(self::cone(&sphere, sphere.center).is_none());
+    }
+
+    #[test]
+    fn points_of_a_cone_lie_on_the_side_of_the_sphere_that_is_seen() {
+        let sphere = Sphere { center: Vec3::new(3.0, -1.0, 2.0), radius: 1.5 };
+        let from = Vec3::new(-0.5, 0.3, 0.2);
+        for i in 0..100 {
+            let u = Vec2::new((i % 10) as f32 + 0.5, (i / 10) as f32 + 0.5) / 10.0;
+            let light = cone_point(&sphere, from, u).expect("seen from outside");
+            assert!((light.point.position.distance(sphere.center) - 1.5).abs() < 1e-5);
+            assert!(light.point.normal.dot(from - light.point.position) >= 0.0);
+        }
+        let middle = cone_point(&sphere, from, Vec2::splat(0.5)).expect("seen from outside").point;
+        assert!(middle.normal.dot((from - sphere.center).normalize()) > 0.9999);
+    }
+
+    #[test]
+    fn lights_are_picked_by_their_power_and_dark_ones_never() {
+        let point = |intensity| Light::Point { position: Vec3::ZERO, intensity: Vec3::splat(intensity) };
+        let scene = Scene {
+            lights: vec![point(0.0), point(1.0), point(f32::NAN), point(3.0), point(-1.0)],
+            ..Scene::default()
+        };
+        let table = LightTable::new(&scene);
+        assert_eq!(table.probability, [0.0, 0.25, 0.0, 0.75, 0.0]);
+        assert_eq!((table.light_at(0.0), table.light_at(0.2499)), (Some(1), Some(1)));
+        assert_eq!((table.light_at(0.25), table.light_at(0.999_999_9)), (Some(3), Some(3)));
+    }
+
+    #[test]
+    fn the_sky_is_picked_alone_or_beside_lights_and_a_dark_scene_picks_nothing() {
+        let sky = Sky { radiance: Vec3::ONE };
+        let light = Light::Point { position: Vec3::ZERO, intensity: Vec3::ONE };
+        let table = |lights: Vec<Light>, sky: Sky| {
+            let scene = Scene { lights, sky, ..Scene::default() };
+            let table = LightTable::new(&scene);
+            (table.sky_probability, table.probability.clone(), table.light_at(0.5))
+        };
+        assert_eq!(table(vec![], sky), (1.0, vec![], None));
+        assert_eq!(table(vec![light], sky), (0.25, vec![0.75], Some(0)));
+        assert_eq!(table(vec![light], Sky::default()), (0.0, vec![1.0], Some(0)));
+        let dark = Light::Point { position: Vec3::ZERO, intensity: Vec3::ZERO };
+        assert_eq!(table(vec![dark], Sky::default()), (0.0, vec![0.0], None));
+    }
 }

@@ -3,11 +3,11 @@
 use glam::Vec2;
 
 use super::film::RenderSettings;
-use super::light_sampling::LightTable;
-use super::sampler::{Sampler, pixel_offset};
+use super::light_sampling::{LightSample, LightTable};
+use super::sampler::{Sampler, pixel_offset, shared_pick, shared_point};
 use crate::geometry::Ray;
 use crate::scene::camera::CameraFrame;
-use crate::scene::{Camera, ShadowRule};
+use crate::scene::{Camera, ShadowRule, Surface};
 use crate::world::World;
 
 /// Everything that a pixel's value is a function of, for one sample number.
@@ -21,6 +21,10 @@ pub struct Pass<'a> {
     pub max_depth: u32,
     /// Number of the sample, from 0. Sample 0 goes through the pixel's centre.
     pub sample: u32,
+    /// Where on flat and round lights all pixels of this sample sample them, for Whitted and the shadow views.
+    pub light_point: Vec2,
+    /// Which of several lights the shadow views ask for, as a share of what arrives from all of them.
+    pub light_pick: f32,
 }
 
 impl<'a> Pass<'a> {
@@ -41,7 +45,16 @@ impl<'a> Pass<'a> {
             seed: settings.seed,
             max_depth: settings.max_depth,
             sample,
+            light_point: shared_point(sample),
+            light_pick: shared_pick(sample),
         }
+    }
+
+    /// A point of light number `index`: the one that all pixels share, where that sees what its neighbours see.
+    #[inline]
+    pub fn sample_light(&self, index: usize, to: &Surface, sampler: &mut Sampler) -> Option<LightSample> {
+        let u = if self.lights.shows_one_side(index) { self.light_point } else { sampler.next_2d() };
+        self.lights.sample_one(index, to, u)
     }
 
     /// The camera ray of this sample.

@@ -7,10 +7,13 @@ use serde::Serialize;
 
 use super::bsdf::ShadingFrame;
 use super::film::RenderSettings;
+use super::light_sampling::LightSample;
 use super::pass::Pass;
+use super::sampler::Sampler;
+use super::whitted::LIGHTS_MAX;
 use crate::accel::{Probe, RayCounters};
 use crate::geometry::Ray;
-use crate::scene::{Camera, MaterialKind, ShadowRule};
+use crate::scene::{Camera, MaterialKind, ShadowRule, Surface};
 use crate::world::World;
 
 /// What a pixel shows when both answers are held against each other. The discriminant is what a class film stores.
@@ -158,8 +161,8 @@ pub enum FirstHit {
     },
 }
 
-/// The first hit of a pixel's camera ray in a pass, with its one light sample. The light is picked by its power; the sky is
-/// picked only where there is nothing else.
+/// The first hit of a pixel's camera ray in a pass, with its one light sample. The sky is sampled only where there is no
+/// other light.
 pub fn first_hit(pass: &Pass, x: u32, y: u32) -> FirstHit {
     let scene = &*pass.world.scene;
     let ray = pass.camera_ray(x, y);
@@ -174,17 +177,47 @@ pub fn first_hit(pass: &Pass, x: u32, y: u32) -> FirstHit {
     let frame = ShadingFrame::new(&surface, ray.direction);
     let albedo = material.color_at(surface.uv, &scene.images).clamp(Vec3::ZERO, Vec3::ONE);
     let dark = if pass.lights.is_empty() { Vec3::ZERO } else { albedo * scene.sky.radiance };
-    let mut sampler = pass.sampler(x, y);
-    let pick = sampler.next_fine();
-    let light = pass.lights.sample_lights(&surface, &frame, pick, sampler.next_2d());
-    match light.map(|light| (light, frame.cosine(light.direction))) {
-        Some((light, cosine)) if cosine > 0.0 => FirstHit::Asked {
-            shadow_ray: light.shadow_ray,
-            dark,
-            light: albedo * light.radiance * (cosine / (PI * light.pdf)),
-        },
-        Some(_) | None => FirstHit::NotAsked { color: dark },
+    match one_light(pass, &surface, &frame, &mut pass.sampler(x, y)) {
+        Some((light, irradiance)) => {
+            FirstHit::Asked { shadow_ray: light.shadow_ray, dark, light: albedo * irradiance / PI }
+        }
+        None => FirstHit::NotAsked { color: dark },
     }
+}
+
+/// One point of one light that is before the surface, and the irradiance that it stands for: of several lights each as
+/// often as its share of what would arrive without any shadow. `None` where nothing would.
+fn one_light(
+    pass: &Pass,
+    surface: &Surface,
+    frame: &ShadingFrame,
+    sampler: &mut Sampler,
+) -> Option<(LightSample, Vec3)> {
+    let lights = &pass.lights;
+    let arriving = |light: &LightSample| light.radiance * (frame.cosine(light.direction) / light.pdf);
+    let shines = |(_, irradiance): &(LightSample, Vec3)| irradiance.max_element() > 0.0;
+    if lights.is_empty() || lights.len() > LIGHTS_MAX {
+        let pick = sampler.next_fine();
+        let light = lights.sample_lights(surface, frame, pick, sampler.next_2d())?;
+        return Some((light, arriving(&light))).filter(shines);
+    }
+    let mut candidates = [None; LIGHTS_MAX];
+    for (index, candidate) in candidates.iter_mut().enumerate().take(lights.len()) {
+        let light = pass.sample_light(index, surface, sampler);
+        *candidate = light.map(|light| (light, arriving(&light))).filter(shines);
+    }
+    let total: f32 = candidates.iter().flatten().map(|(_, irradiance)| irradiance.max_element()).sum();
+    let mut rest = pass.light_pick * total;
+    let mut picked = None;
+    for (light, irradiance) in candidates.into_iter().flatten() {
+        let share = irradiance.max_element();
+        picked = Some((light, irradiance * (total / share)));
+        if rest < share {
+            break;
+        }
+        rest -= share;
+    }
+    picked
 }
 
 /// The pixel's colour with shadows by one way of asking.
