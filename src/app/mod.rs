@@ -30,8 +30,8 @@ use crate::session::Session;
 pub use screenshot::Screenshot;
 pub use shell::{App, AppOptions};
 
-/// Depths of the boxes that are shown when boxes are switched on.
-pub const DEFAULT_BOXES: [u32; 2] = [0, 64];
+/// Depths of the boxes that are shown when boxes are switched on: few enough to be read as boxes.
+pub const DEFAULT_BOXES: [u32; 2] = [0, 8];
 
 /// Size of the window at the first start, in points.
 const FIRST_SIZE: [f32; 2] = [1280.0, 800.0];

@@ -20,8 +20,8 @@ pub enum ExportError {
     Write { path: PathBuf, reason: String },
     #[error("cannot read {path}: {reason}")]
     Read { path: PathBuf, reason: String },
-    #[error("{path}: {source}")]
-    Session { path: PathBuf, source: crate::session::file::SessionError },
+    #[error("{path}: {reason}")]
+    Session { path: PathBuf, reason: crate::session::file::SessionError },
     #[error("{path} carries no session; only PNG files that bvhscope wrote do")]
     NoSession { path: PathBuf },
     #[error("cannot encode the picture: {reason}")]

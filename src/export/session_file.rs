@@ -41,7 +41,7 @@ pub fn open(path: &Path) -> Result<Session, ExportError> {
         read_text(opened).map_err(fail)?
     };
     file::from_text(&text, path.parent())
-        .map_err(|source| ExportError::Session { path: path.to_owned(), source })
+        .map_err(|reason| ExportError::Session { path: path.to_owned(), reason })
 }
 
 /// Writes a session as RON; its scene is named relative to the file where it lies below the file's folder.
