@@ -5,6 +5,8 @@
 
 #[path = "panels/fixture.rs"]
 mod fixture;
+#[path = "panels/window.rs"]
+mod window;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -31,8 +33,12 @@ fn panel(kind: PanelKind) -> Harness<'static, Program> {
 
 /// The drawn panel; `None` where this machine has no driver for it.
 fn picture(harness: &mut Harness<'_, Program>) -> Option<image::RgbaImage> {
-    let rendered = catch_unwind(AssertUnwindSafe(|| harness.render()));
-    match rendered {
+    rendered(|| harness.render())
+}
+
+/// What was rendered; `None` where this machine has no driver for it.
+fn rendered(render: impl FnOnce() -> Result<image::RgbaImage, String>) -> Option<image::RgbaImage> {
+    match catch_unwind(AssertUnwindSafe(render)) {
         Ok(Ok(picture)) => return Some(picture),
         Ok(Err(reason)) => eprintln!("skipped: the panel cannot be rendered here: {reason}"),
         Err(_) => eprintln!("skipped: no driver for wgpu on this machine (mesa-vulkan-drivers has one)"),

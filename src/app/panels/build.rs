@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use egui::{DragValue, Ui};
+use egui::{DragValue, Label, RichText, Ui};
 
 use crate::accel::{BuildConfig, Builder, StopRule, Widen, Width};
 use crate::app::commands::{Command, Commands};
@@ -222,16 +222,16 @@ fn report(ui: &mut Ui, view: &AppView) {
         .show(ui, p);
 }
 
+/// The build time's parts, in a line.
 fn phases(ui: &mut Ui, view: &AppView, world: &World) {
-    for phase in &world.report.phases {
-        Figure::new(Term::BuildPhase, numbers::decimal(phase.ms, 2))
-            .label(phase.name)
-            .unit("ms")
-            .change(None, None, Better::Neither)
-            .color(view.palette.muted)
-            .part()
-            .show(ui, view.palette);
-    }
+    let parts: Vec<String> = world
+        .report
+        .phases
+        .iter()
+        .map(|phase| format!("{} {}", phase.name, numbers::decimal(phase.ms, 2)))
+        .collect();
+    let text = RichText::new(parts.join(" · ")).small().color(view.palette.muted);
+    ui.indent("phases", |ui| ui.add(Label::new(text).wrap()).on_hover_text(Term::BuildPhase.text()));
 }
 
 /// The build before the newest one, if it was of the same scene.

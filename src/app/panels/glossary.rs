@@ -61,7 +61,7 @@ glossary! {
     TraversalCost "Traversal cost" "C_t of the SAH cost: the price of visiting an inner node."
     IntersectionCost "Intersection cost" "C_i of the SAH cost: the price of testing a shape."
     BuildTime "Build time" "Wall time of the build, the sum of its phases."
-    BuildPhase "Phase" "A stage of the build, with its wall time."
+    BuildPhase "Phases" "The stages of the build, each with its wall time in milliseconds."
     Nodes "Nodes" "Inner nodes and leaves together."
     Leaves "Leaves" "Nodes that hold shapes."
     References "References" "Entries of all leaves together, which are more than the shapes only if a tree names shapes twice."

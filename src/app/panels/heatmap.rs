@@ -349,10 +349,11 @@ fn under_mouse(ui: &mut Ui, view: &AppView) {
     widgets::term_section(ui, Term::UnderMouse);
     let hover = view.hover;
     let p = view.palette;
-    let value = hover.and_then(|h| h.value).map(f64::from);
-    Figure::new(Term::Counter, numbers::short(value))
-        .label(&widgets::capitalised(view_name(view.session.view)))
-        .show(ui, p);
+    if is_numeric(view.session.view) {
+        let value = hover.and_then(|h| h.value).map(f64::from);
+        let name = widgets::capitalised(view_name(view.session.view));
+        Figure::new(Term::Counter, numbers::short(value)).label(&name).show(ui, p);
+    }
     let pixel = hover.map_or(numbers::DASH.to_owned(), |h| format!("{}, {}", h.x, h.y));
     Figure::new(Term::Pixel, pixel).show(ui, p);
     let shape = hover.and_then(|h| h.shape).map_or(numbers::DASH.to_owned(), numbers::count);

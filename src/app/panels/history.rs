@@ -14,6 +14,9 @@ use super::glossary::Term;
 use super::numbers;
 use super::widgets;
 
+/// Height of a build in the list.
+const LINE_HEIGHT: f32 = 18.0;
+
 /// What the history's plot shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Quantity {
@@ -137,8 +140,7 @@ fn history_list(ui: &mut Ui, view: &AppView) -> Option<BuildConfig> {
     let columns = list_columns(width);
     list_line(ui, view, Sense::hover(), columns, None);
     let rows = view.history.len();
-    let height = widgets::FIGURE_HEIGHT;
-    egui::ScrollArea::vertical().id_salt("history").max_height(8.0 * height).show(ui, |ui| {
+    egui::ScrollArea::vertical().id_salt("history").max_height(8.0 * LINE_HEIGHT).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         for i in (0..rows).rev() {
             let entry = &view.history[i];
@@ -164,7 +166,7 @@ fn list_line(
     columns: [f32; 3],
     entry: Option<&HistoryEntry>,
 ) -> bool {
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), widgets::FIGURE_HEIGHT), sense);
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), LINE_HEIGHT), sense);
     let muted = view.palette.muted;
     let cell = |right: f32, width: f32| {
         Rect::from_x_y_ranges(rect.right() - right - width..=rect.right() - right, rect.y_range())

@@ -22,7 +22,7 @@ pub const LABEL_WIDTH: f32 = 104.0;
 /// Height of a row with an input.
 pub const ROW_HEIGHT: f32 = 22.0;
 /// Height of a row with a figure.
-pub const FIGURE_HEIGHT: f32 = 19.0;
+pub const FIGURE_HEIGHT: f32 = 16.0;
 /// Width of a number field.
 pub const NUMBER_WIDTH: f32 = 58.0;
 /// Inputs grow no wider than this.

@@ -1,0 +1,97 @@
+//! The panels inside the whole window: what is set is built, traced and shown.
+
+use std::time::{Duration, Instant};
+
+use bvhscope::app::panels::PanelKind;
+use bvhscope::app::{App, AppOptions};
+use bvhscope::scene::SceneRef;
+use bvhscope::session::Session;
+use egui::accesskit::Role;
+use egui::pos2;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+
+type Window = Harness<'static, App>;
+
+/// Ample for a machine that builds something else meanwhile.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// The window of the first start.
+const SIZE: [f32; 2] = [1280.0, 800.0];
+/// High enough for whole panels.
+const HIGH: [f32; 2] = [1280.0, 1500.0];
+
+fn window(scene: &str, size: [f32; 2]) -> Window {
+    let mut session = Session::default();
+    session.scene.reference = SceneRef::Builtin(scene.to_owned());
+    let options = AppOptions { hold_progressive: true, ..AppOptions::default() };
+    let mut window = Harness::builder()
+        .with_size(size)
+        .with_max_steps(64)
+        .build_eframe(move |cc| App::new(cc, session, options));
+    settle(&mut window);
+    window
+}
+
+/// Draws until all that was asked for is there.
+fn settle(window: &mut Window) {
+    let start = Instant::now();
+    loop {
+        window.step();
+        if window.state().is_idle() {
+            break;
+        }
+        assert!(start.elapsed() < PATIENCE, "the window does not come to rest");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    window.run_steps(2);
+}
+
+fn figure(window: &Window, label: &str) -> String {
+    window.get_by_label_contains(&format!("{label}: ")).value().unwrap_or_default()
+}
+
+#[test]
+fn dragged_bins_are_built_and_the_figures_follow() {
+    let mut window = window("soup:500", SIZE);
+    let before = figure(&window, "SAH cost");
+    assert!(before.chars().any(|c| c.is_ascii_digit()), "{before}");
+    let slider = window.get_by_role_and_label(Role::Slider, "Bins").rect();
+    let at = |t: f32| pos2(slider.left() + t * slider.width(), slider.center().y);
+    window.drag_at(at(0.4));
+    settle(&mut window);
+    window.hover_at(at(0.02));
+    settle(&mut window);
+    let during = figure(&window, "SAH cost");
+    assert_ne!(during, before, "the tree follows the hand");
+    window.drop_at(at(0.02));
+    settle(&mut window);
+    let state = window.state().state();
+    assert!(state.session.build().bins < 4, "{:?}", state.session.build());
+    assert!(state.history.len() >= 2 && state.held_range.is_none());
+    assert_eq!(figure(&window, "SAH cost"), during);
+}
+
+#[test]
+fn a_build_of_the_history_comes_back_with_its_figures() {
+    let mut window = window("soup:500", HIGH);
+    let first = figure(&window, "SAH cost").split('+').next().map(str::trim).map(str::to_owned);
+    window.get_by_label("Builder median").click();
+    settle(&mut window);
+    assert!(!figure(&window, "SAH cost").starts_with(first.as_deref().expect("a figure")));
+    window.get_by_label("Build 1: binned 16 · leaf 2").click();
+    settle(&mut window);
+    assert!(figure(&window, "SAH cost").starts_with(first.as_deref().expect("a figure")));
+}
+
+#[test]
+fn every_panel_shows_in_the_window() {
+    let mut window = window("bunny", SIZE);
+    for kind in PanelKind::ALL {
+        window.state_mut().layout_mut().show(kind, true);
+        settle(&mut window);
+        assert_eq!(window.unnamed_widgets(), Vec::<String>::new());
+        let Some(picture) = super::rendered(|| window.render()) else { continue };
+        super::keep(&picture, &format!("Window-{}", kind.title()));
+    }
+}
