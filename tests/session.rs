@@ -67,7 +67,7 @@ fn render() -> impl Strategy<Value = RenderSettings> {
 }
 
 fn display() -> impl Strategy<Value = DisplaySettings> {
-    let range = (finite(), finite()).prop_filter_map("a range", |(a, b)| (a < b).then_some([a, b]));
+    let range = (finite(), finite()).prop_filter_map("a range", |(a, b)| (a <= b).then_some([a, b]));
     (
         select(&ColorMap::ALL[..]),
         option::of(range),

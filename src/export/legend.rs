@@ -196,7 +196,7 @@ fn draw_bar(whole: &mut RgbaImage, top: f32, layout: &Layout, colormap: ColorMap
     let mut free = f32::NEG_INFINITY;
     let mut label = |whole: &mut RgbaImage, value: f32, step: f32, end: f32| {
         let name = tick_text(value, step);
-        let share = (value - range[0]) / (range[1] - range[0]);
+        let share = ((value - range[0]) / (range[1] - range[0]).max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
         let width = text::width(&name, layout.letter);
         let x = (left + share * length - width / 2.0).clamp(left, (left + length - width).max(left));
         if x < free || x + width > end {
@@ -312,8 +312,8 @@ mod tests {
 
     #[test]
     fn tiny_pictures_have_a_legend_too() {
-        for width in [1, 16, 64] {
-            let key = LegendKey::Bar { colormap: ColorMap::Greys, range: [0.5, 0.5001] };
+        for (width, range) in [(1, [0.5, 0.5001]), (16, [0.0, 1e9]), (64, [3.0, 3.0])] {
+            let key = LegendKey::Bar { colormap: ColorMap::Greys, range };
             assert_eq!(legend(key).below(&RgbaImage::new(width, 2)).width(), width);
         }
     }

@@ -149,13 +149,13 @@ pub fn read_size(text: &str) -> Result<[u32; 2], String> {
         .ok_or_else(|| format!("allowed is WIDTHxHEIGHT, each from 1 to {MAX_SIDE} pixels, as in 1280x720"))
 }
 
-/// `LO..HI` with `LO < HI`, both finite.
+/// `LO..HI` with `LO <= HI`, both finite. (A range without extent cuts values in two.)
 pub fn read_span(text: &str) -> Result<[f32; 2], String> {
     let end = |part: &str| read_float(part, f32::MIN..=f32::MAX).ok();
     text.split_once("..")
         .and_then(|(low, high)| Some([end(low)?, end(high)?]))
-        .filter(|[low, high]| low < high)
-        .ok_or_else(|| "allowed is LO..HI with LO below HI, as in 0..40".to_owned())
+        .filter(|[low, high]| low <= high)
+        .ok_or_else(|| "allowed is LO..HI with LO not above HI, as in 0..40".to_owned())
 }
 
 pub fn span_text([low, high]: [f32; 2]) -> String {
@@ -233,7 +233,8 @@ mod tests {
         assert_eq!(read_float("NaN", 0.0..=1.0).unwrap_err(), "allowed is a number from 0 to 1");
         assert_eq!(read_named::<Builder>("best").unwrap_err(), "choose one of median, sweep, binned");
         assert!(read_size("0x720").unwrap_err().contains("1280x720"));
-        assert!(read_span("5..5").unwrap_err().contains("LO below HI"));
+        assert!(read_span("5..4.9").unwrap_err().contains("LO not above HI"));
+        assert_eq!(read_span("5..5"), Ok([5.0, 5.0]));
         assert!(read_span("0..inf").is_err());
     }
 
