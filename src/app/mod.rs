@@ -21,6 +21,9 @@ mod toolbar;
 pub mod view;
 mod viewport;
 
+#[cfg(test)]
+mod tests;
+
 use std::time::Duration;
 
 use anyhow::Context as _;

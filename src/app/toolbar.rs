@@ -65,7 +65,7 @@ fn toggles(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
     let paused = view.render.paused;
     let (text, about) =
         if paused { ("Resume", "Go on rendering (Space)") } else { ("Pause", "Stop rendering (Space)") };
-    if ui.add(Button::new(text).min_size(egui::vec2(78.0, 0.0))).on_hover_text(about).clicked() {
+    if ui.add(Button::new(text).min_size(egui::vec2(64.0, 0.0))).on_hover_text(about).clicked() {
         commands.push(Command::SetPaused(!paused));
     }
     let boxes = view.session.overlay.depths.is_some();
@@ -97,7 +97,7 @@ fn figures(ui: &mut Ui, view: &AppView) {
     let time = match render.sample_ms {
         None => "    – ms".to_owned(),
         Some(ms) if ms < 1000.0 => format!("{ms:>5.1} ms"),
-        Some(ms) => format!("{:>5.2} s ", ms * 1e-3),
+        Some(ms) => format!("{:>6.2} s", ms * 1e-3),
     };
     figure(ui, format!("{time}/frame"), "Wall time of the last sample over the whole picture.");
     if render.measuring {

@@ -103,8 +103,11 @@ fn depth(
     Ok(depth)
 }
 
-/// What was left out, in a sentence; `None` if all boxes are there.
+/// What was left out, in a sentence; `None` if all boxes that could be seen are there.
 pub fn left_out(overlay: &Overlay) -> Option<String> {
+    if overlay.too_small + overlay.over_budget == 0 {
+        return None;
+    }
     let reasons: Vec<String> = [
         (overlay.outside, "outside the picture"),
         (overlay.too_small, "smaller than a pixel"),
@@ -114,14 +117,8 @@ pub fn left_out(overlay: &Overlay) -> Option<String> {
     .filter(|(count, _)| *count > 0)
     .map(|(count, why)| format!("{} {why}", grouped(count)))
     .collect();
-    (!reasons.is_empty()).then(|| {
-        format!(
-            "{} of {} boxes drawn: {}",
-            grouped(overlay.drawn),
-            grouped(overlay.selected),
-            reasons.join(", ")
-        )
-    })
+    let (drawn, selected) = (grouped(overlay.drawn), grouped(overlay.selected));
+    Some(format!("{drawn} of {selected} boxes drawn: {}", reasons.join(", ")))
 }
 
 /// A count with commas between the thousands.
@@ -159,6 +156,7 @@ mod tests {
     #[test]
     fn boxes_left_out_are_counted_with_the_reason() {
         assert_eq!(left_out(&overlay(0, 0, 0)), None);
+        assert_eq!(left_out(&overlay(7, 0, 0)), None, "nobody misses what is behind the camera");
         assert_eq!(
             left_out(&overlay(0, 900_000, 87_655)).as_deref(),
             Some("12,345 of 1,000,000 boxes drawn: 900,000 smaller than a pixel, 87,655 beyond the budget")
