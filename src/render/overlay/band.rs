@@ -1,13 +1,13 @@
 //! A band of the picture's rows, into which boxes are drawn and tested against the surfaces' depth. Bands are drawn
 //! side by side; what a pixel becomes does not depend on them.
 
-use glam::{Vec3, Vec4};
+use glam::{Vec3, Vec3A, Vec4};
 
 use super::project::Projector;
 use super::select::ShownBox;
 
 /// Rows of a band.
-pub const BAND_ROWS: u32 = 24;
+pub const BAND_ROWS: u32 = 32;
 
 /// A line or a side counts as visible as long as it lies no farther behind the surface than this share of the distance:
 /// boxes touch what they hold, and their lines would flicker.
@@ -15,6 +15,9 @@ const DEPTH_BIAS: f32 = 2e-3;
 
 /// In pixels.
 const LINE_WIDTH: f32 = 1.2;
+
+/// Pixels around an edge that its line may touch: half its width and half a pixel, both across a diagonal.
+const LINE_REACH: f32 = 0.75 * (LINE_WIDTH + 1.0);
 
 /// Opacity of what lies behind surfaces, where it is shown, against what lies before them.
 const HIDDEN_ALPHA: f32 = 0.28;
@@ -63,7 +66,7 @@ pub struct Band<'a> {
     columns: Vec<f32>,
 }
 
-/// Where a pixel's ray is inside a box, in depth along the forward axis.
+/// Where a pixel's ray is inside a box: depths along the forward axis, and the axes of the sides it passes there.
 struct Span {
     enter: f32,
     enter_axis: usize,
@@ -71,10 +74,16 @@ struct Span {
     exit_axis: usize,
 }
 
+/// The depth along the forward axis up to which things are visible before a surface at this distance along the ray with
+/// direction `(u, v, 1)`.
+#[inline]
+pub fn surface_depth(distance: f32, u: f32, v: f32) -> f32 {
+    let depth = distance / (1.0 + u * u + v * v).sqrt();
+    if depth.is_nan() { f32::INFINITY } else { depth * (1.0 + DEPTH_BIAS) }
+}
+
 impl<'a> Band<'a> {
     pub fn new(canvas: &'a Canvas<'a>) -> Self {
-        let frame = &canvas.projector.frame;
-        let column = |x: u32| (2.0 * (x as f32 + 0.5) / frame.size.x - 1.0) * frame.half_size.x;
         Self {
             canvas,
             rows: [0, 0],
@@ -82,7 +91,7 @@ impl<'a> Band<'a> {
             surface_row: 0,
             above: Vec::new(),
             below: Vec::new(),
-            columns: (0..canvas.width).map(column).collect(),
+            columns: (0..canvas.width).map(|x| canvas.projector.column_direction(x)).collect(),
         }
     }
 
@@ -98,19 +107,10 @@ impl<'a> Band<'a> {
         self.surface_row = row.saturating_sub(MARGIN);
         self.surface.clear();
         for y in self.surface_row..(self.rows[1] + MARGIN).min(height) {
-            let v = self.row_direction(y);
+            let v = self.canvas.projector.row_direction(y);
             let distances = &depth[y as usize * width as usize..][..width as usize];
-            self.surface.extend(self.columns.iter().zip(distances).map(|(u, distance)| {
-                let along = distance / (1.0 + u * u + v * v).sqrt();
-                if along.is_nan() { f32::INFINITY } else { along * (1.0 + DEPTH_BIAS) }
-            }));
+            self.surface.extend(self.columns.iter().zip(distances).map(|(&u, &d)| surface_depth(d, u, v)));
         }
-    }
-
-    /// `y` of the camera-space direction through a row.
-    fn row_direction(&self, y: u32) -> f32 {
-        let frame = &self.canvas.projector.frame;
-        (1.0 - 2.0 * (y as f32 + 0.5) / frame.size.y) * frame.half_size.y
     }
 
     /// The edges of a box.
@@ -139,10 +139,7 @@ impl<'a> Band<'a> {
 
     /// Adds one to the count of every pixel over which the box lies.
     pub fn count_box(&mut self, shown: &ShownBox, counts: &mut [u32]) {
-        let all = self.canvas.show_hidden;
-        self.for_each_pixel_inside(shown, |_, pixel, surface, span| {
-            counts[pixel] += u32::from(all || span.enter <= surface);
-        });
+        self.for_each_pixel_inside(shown, |_, pixel, _, _| counts[pixel] += 1);
     }
 
     /// Writes the band's pixels: premultiplied, 8 bits.
@@ -175,25 +172,33 @@ impl<'a> Band<'a> {
     }
 
     /// Calls `visit` with the index in the band, the surface's depth, and the span, of every pixel whose centre's ray
-    /// meets the box.
+    /// meets the box where it is to be drawn.
     fn for_each_pixel_inside(
         &mut self,
         shown: &ShownBox,
         mut visit: impl FnMut(&mut Self, usize, f32, Span),
     ) {
         let frame = self.canvas.projector.frame;
-        let (min, max) = (shown.bounds.min - frame.eye, shown.bounds.max - frame.eye);
+        let all = self.canvas.show_hidden;
+        let [min, max] = [shown.bounds.min, shown.bounds.max].map(|corner| Vec3A::from(corner - frame.eye));
+        let right = Vec3A::from(frame.right);
         let first = u32::from(shown.rect.min[1]).max(self.rows[0]);
         let end = u32::from(shown.rect.max[1]).min(self.rows[1]);
         for y in first..end {
-            let row = frame.forward + self.row_direction(y) * frame.up;
+            let row = Vec3A::from(frame.forward + self.canvas.projector.row_direction(y) * frame.up);
             let pixel_row = (y - self.rows[0]) as usize * self.canvas.width as usize;
             let surface_row = (y - self.surface_row) as usize * self.canvas.width as usize;
             for x in usize::from(shown.rect.min[0])..usize::from(shown.rect.max[0]) {
-                let inv = (row + self.columns[x] * frame.right).recip();
-                if let Some(span) = span(min * inv, max * inv) {
-                    let surface = self.surface[surface_row + x];
-                    visit(self, pixel_row + x, surface, span);
+                let inv = (row + self.columns[x] * right).recip();
+                let (a, b) = (min * inv, max * inv);
+                let (near, far) = (a.min(b), a.max(b));
+                let (enter, exit) = (near.max_element(), far.min_element());
+                let surface = self.surface[surface_row + x];
+                if enter <= exit && exit > 0.0 && (all || enter <= surface) {
+                    let axis = |side: Vec3A, at: f32| side.cmpeq(Vec3A::splat(at)).bitmask().trailing_zeros();
+                    let [enter_axis, exit_axis] =
+                        [axis(near, enter), axis(far, exit)].map(|a| a.min(2) as usize);
+                    visit(self, pixel_row + x, surface, Span { enter, enter_axis, exit, exit_axis });
                 }
             }
         }
@@ -201,7 +206,11 @@ impl<'a> Band<'a> {
 
     fn draw_edges(&mut self, shown: &ShownBox, color: Vec3, alpha: f32) {
         let projector = self.canvas.projector;
+        let rows = [self.rows[0] as f32 - LINE_REACH, self.rows[1] as f32 + LINE_REACH];
         projector.edges(&shown.bounds, shown.clipped, |a, b| {
+            if a.y.max(b.y) < rows[0] || a.y.min(b.y) > rows[1] {
+                return;
+            }
             if (b.x - a.x).abs() >= (b.y - a.y).abs() {
                 self.draw_line::<false>(a, b, color, alpha);
             } else {
@@ -232,7 +241,7 @@ impl<'a> Band<'a> {
             let [from, to] = [ends[0].max(step as f32), ends[1].min(step as f32 + 1.0)];
             let middle = 0.5 * (from + to) - a.x;
             let across = a.y + middle * slope;
-            let lanes = [across - reach, across + reach].map(|v| (v + 0.5).floor().max(0.0) as u32);
+            let lanes = [across - reach, across + reach].map(|v| (v + 0.5).max(0.0) as u32);
             let lanes = lanes[0].max(lane_range[0])..lanes[1].min(lane_range[1]);
             if lanes.is_empty() {
                 continue;
@@ -271,7 +280,7 @@ impl<'a> Band<'a> {
                 return None;
             }
         }
-        (from < to).then(|| [from.floor() as u32, to.ceil() as u32])
+        (from < to).then(|| [from as u32, to.ceil() as u32])
     }
 
     /// The depth up to which a line is visible at `step`, where it passes `across` between two pixels' centres: that of
@@ -279,32 +288,14 @@ impl<'a> Band<'a> {
     #[inline]
     fn surface_beside<const STEEP: bool>(&self, step: u32, across: f32) -> f32 {
         let Canvas { width, height, .. } = *self.canvas;
-        let lane = (across - 0.5).floor();
-        let at = |lane: f32| {
-            let lane = lane.max(0.0) as u32;
+        // The casts take what is below 0 to 0.
+        let lanes = [across - 0.5, across + 0.5].map(|lane| lane as u32);
+        let at = |lane: u32| {
             let (x, y) = if STEEP { (lane.min(width - 1), step) } else { (step, lane.min(height - 1)) };
             self.surface[((y - self.surface_row) * width + x) as usize]
         };
-        at(lane).max(at(lane + 1.0))
+        at(lanes[0]).max(at(lanes[1]))
     }
-}
-
-/// Depths at which a ray through the eye is inside a box, from the depths at which it crosses its three pairs of planes.
-#[inline]
-fn span(a: Vec3, b: Vec3) -> Option<Span> {
-    let (near, far) = (a.min(b), a.max(b));
-    let (mut enter, mut enter_axis) = (f32::NEG_INFINITY, 0);
-    let (mut exit, mut exit_axis) = (f32::INFINITY, 0);
-    for axis in 0..3 {
-        // A NaN (a ray inside the plane of a side) says nothing.
-        if near[axis] > enter {
-            (enter, enter_axis) = (near[axis], axis);
-        }
-        if far[axis] < exit {
-            (exit, exit_axis) = (far[axis], axis);
-        }
-    }
-    (enter <= exit && exit > 0.0).then_some(Span { enter, enter_axis, exit, exit_axis })
 }
 
 fn line_alpha(shown: &ShownBox) -> f32 {

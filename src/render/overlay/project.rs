@@ -8,6 +8,9 @@ use crate::scene::camera::CameraFrame;
 /// The near plane lies at this share of the distance to the farthest corner of the scene.
 const NEAR_SHARE: f32 = 1e-4;
 
+/// Pixels around the edges of a box that its lines may touch.
+const MARGIN: f32 = 1.5;
+
 /// The corners at the two ends of a box's twelve edges, four along each axis. Corner bits: 0 for max x, 1 for max y,
 /// 2 for max z.
 const EDGES: [[[usize; 2]; 4]; 3] =
@@ -18,6 +21,8 @@ const EDGES: [[[usize; 2]; 4]; 3] =
 pub struct Projector {
     pub frame: CameraFrame,
     near: f32,
+    /// Normals in world space of the planes through the eye that bound what is seen: left, right, bottom, top.
+    sides: [Vec3; 4],
 }
 
 /// Pixels that a box may touch: rows and columns `min..max`, inside the picture, never empty.
@@ -36,6 +41,8 @@ pub enum Footprint {
         rect: PixelRect,
         /// Width + height of what lies inside the picture, in pixels.
         size: f32,
+        /// Depth of the nearest corner along the camera's forward axis.
+        depth: f32,
         /// Whether edges must be clipped.
         clipped: bool,
     },
@@ -45,7 +52,22 @@ impl Projector {
     /// For a scene inside `bounds`.
     pub fn new(frame: CameraFrame, bounds: &Aabb) -> Self {
         let farthest = bounds.corners().iter().map(|&c| (c - frame.eye).length()).fold(0.0, f32::max);
-        Self { frame, near: (farthest * NEAR_SHARE).max(f32::MIN_POSITIVE) }
+        let [x, y] = [frame.right, frame.up];
+        let [right, up] = [frame.forward * frame.half_size.x, frame.forward * frame.half_size.y];
+        let sides = [right + x, right - x, up + y, up - y];
+        Self { frame, near: (farthest * NEAR_SHARE).max(f32::MIN_POSITIVE), sides }
+    }
+
+    /// `x` of the camera-space direction, with z = 1, through the centres of a column of pixels.
+    #[inline]
+    pub fn column_direction(&self, x: u32) -> f32 {
+        (2.0 * (x as f32 + 0.5) / self.frame.size.x - 1.0) * self.frame.half_size.x
+    }
+
+    /// `y` of the camera-space direction, with z = 1, through the centres of a row of pixels.
+    #[inline]
+    pub fn row_direction(&self, y: u32) -> f32 {
+        (1.0 - 2.0 * (y as f32 + 0.5) / self.frame.size.y) * self.frame.half_size.y
     }
 
     /// The corners in camera space, in the order of [`Aabb::corners`].
@@ -73,24 +95,44 @@ impl Projector {
 
     /// Where a box lies on the screen.
     pub fn footprint(&self, bounds: &Aabb) -> Footprint {
-        let corners = self.corners(bounds);
-        let planes = corners.map(|c| self.planes(c));
-        for plane in 0..5 {
-            // Written so that a NaN, which only absurd coordinates give, is outside.
-            if !planes.iter().any(|p| p[plane] >= 0.0) {
-                return Footprint::Outside;
-            }
+        // The nearest and the farthest corner along a plane's normal, without looking at corners.
+        let half = (bounds.max - bounds.min) * 0.5;
+        let center = bounds.min + half - self.frame.eye;
+        let span = |normal: Vec3| {
+            let (at, reach) = (center.dot(normal), half.dot(normal.abs()));
+            [at - reach, at + reach]
+        };
+        let [depth, depth_max] = span(self.frame.forward);
+        // Written so that a NaN, which only absurd coordinates give, is outside.
+        let mut inside = depth_max >= self.near;
+        let mut clipped = depth < self.near;
+        for side in self.sides {
+            let [min, max] = span(side);
+            inside &= max >= 0.0;
+            clipped |= min < 0.0;
         }
-        let clipped = planes.iter().any(|p| p.iter().any(|&distance| distance < 0.0));
-        let crosses_near = planes.iter().any(|p| p[0] < 0.0);
+        if !inside {
+            return Footprint::Outside;
+        }
+        let (min, max) = self.screen_bounds(bounds, depth < self.near);
+        if (max - min).max_element() < 1.0 {
+            return Footprint::TooSmall;
+        }
+        self.seen(min, max, depth, clipped)
+    }
+
+    /// The rectangle around a box on the screen, or around its part before the near plane.
+    fn screen_bounds(&self, bounds: &Aabb, crosses_near: bool) -> (Vec2, Vec2) {
+        let corners = self.corners(bounds);
         let (mut min, mut max) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
         let mut grow = |p: Vec3| {
             let p = self.screen(p).truncate();
             (min, max) = (min.min(p), max.max(p));
         };
         if crosses_near {
-            for [a, b] in EDGES.as_flattened() {
-                if let Some((a, b)) = clip(corners[*a], corners[*b], planes[*a][0], planes[*b][0]) {
+            for &[a, b] in EDGES.as_flattened() {
+                let (a, b) = (corners[a], corners[b]);
+                if let Some((a, b)) = clip(a, b, a.z - self.near, b.z - self.near) {
                     grow(a);
                     grow(b);
                 }
@@ -98,24 +140,21 @@ impl Projector {
         } else {
             corners.into_iter().for_each(grow);
         }
-        if (max - min).max_element() < 1.0 {
-            return Footprint::TooSmall;
-        }
-        self.seen(min, max, clipped)
+        (min, max)
     }
 
-    fn seen(&self, min: Vec2, max: Vec2, clipped: bool) -> Footprint {
+    fn seen(&self, min: Vec2, max: Vec2, depth: f32, clipped: bool) -> Footprint {
         let size = self.frame.size;
         let (min, max) = (min.max(Vec2::ZERO), max.min(size));
         if !(min.x <= max.x && min.y <= max.y) {
             return Footprint::Outside;
         }
-        // One pixel around, since a line is wider than its edge.
-        let low = |v: f32| (v.floor() - 1.0).max(0.0) as u16;
-        let high = |v: f32, end: f32| (v.ceil() + 1.0).min(end) as u16;
+        // Pixels around, since a line is wider than its edge.
+        let low = |v: f32| (v - MARGIN).max(0.0) as u16;
+        let high = |v: f32, end: f32| (v + MARGIN + 1.0).min(end) as u16;
         let rect =
             PixelRect { min: [low(min.x), low(min.y)], max: [high(max.x, size.x), high(max.y, size.y)] };
-        Footprint::Seen { rect, size: (max - min).element_sum(), clipped }
+        Footprint::Seen { rect, size: (max - min).element_sum(), depth, clipped }
     }
 
     /// Signed distances, up to scale, to the planes that bound what is seen (near, left, right, bottom, top): inside
@@ -210,13 +249,14 @@ pub(super) mod tests {
         assert_eq!(p.footprint(&cube(Vec3::new(0.0, 0.0, 5.0), 1.0)), Footprint::Outside);
         assert_eq!(p.footprint(&cube(Vec3::new(40.0, 0.0, -5.0), 1.0)), Footprint::Outside);
         assert_eq!(p.footprint(&cube(Vec3::new(0.0, 0.0, -50.0), 0.2)), Footprint::TooSmall);
-        let Footprint::Seen { rect, size, clipped } = p.footprint(&cube(Vec3::new(0.0, 0.0, -5.0), 1.0))
+        let Footprint::Seen { rect, size, clipped, depth } =
+            p.footprint(&cube(Vec3::new(0.0, 0.0, -5.0), 1.0))
         else {
             panic!("it lies in the middle of the picture");
         };
         // Its near side, at distance 4, covers a quarter of 100 pixels each way from the middle: 37.5 to 62.5.
-        assert!(!clipped && (size - 50.0).abs() < 1e-3);
-        assert_eq!((rect.min, rect.max), ([36, 36], [64, 64]));
+        assert!(!clipped && (size - 50.0).abs() < 1e-3 && (depth - 4.0).abs() < 1e-5);
+        assert_eq!((rect.min, rect.max), ([36, 36], [65, 65]));
     }
 
     #[test]

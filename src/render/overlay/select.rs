@@ -4,6 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::color::SHARE_SPAN;
+use super::hidden::FarthestSurfaces;
 use super::project::{Footprint, PixelRect, Projector};
 use super::{BoxColor, OverlaySettings};
 use crate::accel::{ChildRef, Tree, WideBvh};
@@ -38,60 +39,59 @@ pub struct Selection {
     pub selected: usize,
     pub outside: usize,
     pub too_small: usize,
+    /// Wholly behind surfaces, and not to be drawn there.
+    pub hidden: usize,
     pub over_budget: usize,
-    /// Values at the two ends of the colour ramp.
+    /// Values at the two ends of the colour ramp. They do not depend on the camera.
     pub color_range: Option<[f32; 2]>,
 }
 
-/// Picks the boxes that `settings` ask for. `shares`: each node's share of the SAH cost, in order of [`NodeId`](crate::accel::NodeId); looked
-/// at by [`BoxColor::SahShare`] alone.
+/// Where boxes are drawn.
+#[derive(Clone, Copy)]
+pub struct Stage<'a> {
+    pub projector: &'a Projector,
+    /// What hides boxes; `None` if they are drawn all the same.
+    pub surfaces: Option<&'a FarthestSurfaces>,
+}
+
+/// Picks the boxes that `settings` ask for. `shares`: each node's share of the SAH cost, in order of
+/// [`NodeId`](crate::accel::NodeId); looked at by [`BoxColor::SahShare`] alone.
 pub fn select(
     tree: &Tree,
     shares: &[f32],
-    projector: &Projector,
+    stage: Stage,
     settings: &OverlaySettings,
     task: &Task,
 ) -> Result<Selection, Cancelled> {
     let Some([a, b]) = settings.depths else { return Ok(Selection::default()) };
     let depths = [a.min(b), a.max(b)];
-    let mut selection = each_width!(tree, t => {
-        let walk = Walk { tree: t, shares, depths, projector, settings };
-        walk.run(task)?
-    });
-    keep_largest(&mut selection, settings.budget as usize);
+    let mut selection = each_width!(tree, t => Walk { tree: t, shares, depths, stage, settings }.run(task)?);
     // Farthest first, so that what is nearer is drawn over it. Of a box and a box inside it that touches the same side
     // the inner one goes first: the outline of the larger stays whole.
     selection.boxes.par_sort_unstable_by(|a, b| {
         b.distance2.total_cmp(&a.distance2).then(b.depth.cmp(&a.depth)).then(a.node.cmp(&b.node))
     });
-    selection.color_range = color_range(tree, depths, settings.color, &selection.boxes);
     Ok(selection)
 }
 
-/// Drops all but the `budget` boxes that are largest on screen.
-fn keep_largest(selection: &mut Selection, budget: usize) {
-    let boxes = &mut selection.boxes;
-    if boxes.len() > budget {
-        selection.over_budget = boxes.len() - budget;
+impl Selection {
+    /// Drops all but the `budget` boxes that are largest on screen; of equally large ones the higher in the tree stays.
+    /// Returns the size of the smallest kept one if some were dropped: no smaller box has a place.
+    fn keep_largest(&mut self, budget: usize) -> Option<f32> {
+        if self.boxes.len() <= budget {
+            return None;
+        }
+        self.over_budget += self.boxes.len() - budget;
+        let mut smallest = f32::INFINITY;
         if budget > 0 {
-            boxes.select_nth_unstable_by(budget - 1, |a, b| {
+            let (_, last, _) = self.boxes.select_nth_unstable_by(budget - 1, |a, b| {
                 b.size.total_cmp(&a.size).then(a.depth.cmp(&b.depth)).then(a.node.cmp(&b.node))
             });
+            smallest = last.size;
         }
-        boxes.truncate(budget);
+        self.boxes.truncate(budget);
+        Some(smallest)
     }
-}
-
-fn color_range(tree: &Tree, depths: [u32; 2], color: BoxColor, boxes: &[ShownBox]) -> Option<[f32; 2]> {
-    let largest = boxes.iter().map(|b| b.value).filter(|v| !v.is_nan()).reduce(f32::max)?;
-    Some(match color {
-        BoxColor::Depth => [depths[0] as f32, largest.max(depths[0] as f32)],
-        BoxColor::LeafSize => {
-            let most = tree.leaves().iter().map(|leaf| leaf.count).max().unwrap_or(1);
-            [1.0, most as f32]
-        }
-        BoxColor::SahShare => [largest * SHARE_SPAN, largest],
-    })
 }
 
 /// A node that the walk has come to.
@@ -108,6 +108,8 @@ enum Fate {
     Open,
     Outside,
     TooSmall,
+    Hidden,
+    OverBudget,
 }
 
 /// What a step of the walk found.
@@ -118,13 +120,17 @@ struct Found {
     selected: usize,
     outside: usize,
     too_small: usize,
+    hidden: usize,
+    over_budget: usize,
+    /// Of all selected boxes, drawn or not; 0 for none.
+    value_max: f32,
 }
 
 struct Walk<'a, const N: usize> {
     tree: &'a WideBvh<N>,
     shares: &'a [f32],
     depths: [u32; 2],
-    projector: &'a Projector,
+    stage: Stage<'a>,
     settings: &'a OverlaySettings,
 }
 
@@ -135,11 +141,12 @@ impl<const N: usize> Walk<'_, N> {
         if !self.tree.root.is_empty() {
             level.push(Reached { child: self.tree.root, bounds: self.tree.bounds, fate: Fate::Open });
         }
-        let mut depth = 0;
+        let budget = self.settings.budget as usize;
+        let (mut depth, mut smallest, mut value_max) = (0, 0.0, 0.0_f32);
         while !level.is_empty() && depth <= self.depths[1] {
             let steps: Vec<Found> = level
                 .par_chunks(CHUNK)
-                .map(|nodes| task.check().map(|()| self.step(nodes, depth)))
+                .map(|nodes| task.check().map(|()| self.step(nodes, depth, smallest)))
                 .collect::<Result<_, _>>()?;
             level.clear();
             for mut found in steps {
@@ -148,19 +155,29 @@ impl<const N: usize> Walk<'_, N> {
                 selection.selected += found.selected;
                 selection.outside += found.outside;
                 selection.too_small += found.too_small;
+                selection.hidden += found.hidden;
+                selection.over_budget += found.over_budget;
+                value_max = value_max.max(found.value_max);
             }
+            smallest = selection.keep_largest(budget).unwrap_or(smallest);
             depth += 1;
+        }
+        if selection.selected > 0 {
+            selection.color_range = self.color_range(value_max);
         }
         Ok(selection)
     }
 
-    /// Looks at some nodes of one level.
-    fn step(&self, nodes: &[Reached], depth: u32) -> Found {
+    /// Looks at some nodes of one level. Boxes below `smallest` on screen have no place in the budget any more.
+    fn step(&self, nodes: &[Reached], depth: u32, smallest: f32) -> Found {
         let mut found = Found::default();
         for &node in nodes {
             let shown =
                 depth >= self.depths[0] && (!self.settings.leaves_only || node.child.as_leaf().is_some());
-            let fate = self.look_at(node, depth, shown, &mut found);
+            let fate = self.look_at(node, depth, smallest, shown, &mut found);
+            if shown {
+                found.count(fate);
+            }
             if depth < self.depths[1]
                 && let Some(node_idx) = node.child.as_inner()
             {
@@ -170,41 +187,32 @@ impl<const N: usize> Walk<'_, N> {
         found
     }
 
-    /// Counts the node and keeps its box if it is to be drawn; says what that means for the boxes inside it.
-    fn look_at(&self, node: Reached, depth: u32, shown: bool, found: &mut Found) -> Fate {
-        let footprint = match node.fate {
-            Fate::Open => self.projector.footprint(&node.bounds),
-            Fate::Outside => Footprint::Outside,
-            Fate::TooSmall => Footprint::TooSmall,
-        };
-        found.selected += usize::from(shown);
-        match footprint {
-            Footprint::Outside => {
-                found.outside += usize::from(shown);
-                Fate::Outside
-            }
-            Footprint::TooSmall => {
-                found.too_small += usize::from(shown);
-                Fate::TooSmall
-            }
-            Footprint::Seen { rect, size, clipped } => {
-                if shown {
-                    let Reached { child, bounds, .. } = node;
-                    let eye = self.projector.frame.eye;
-                    found.boxes.push(ShownBox {
-                        bounds,
-                        rect,
-                        clipped,
-                        depth,
-                        size,
-                        value: self.value(child, depth),
-                        distance2: eye.clamp(bounds.min, bounds.max).distance_squared(eye),
-                        node: self.node_id(child),
-                    });
-                }
-                Fate::Open
-            }
+    /// Keeps the node's box if it is to be drawn; says what is so known of it and of the boxes inside it.
+    fn look_at(&self, node: Reached, depth: u32, smallest: f32, shown: bool, found: &mut Found) -> Fate {
+        let value = if shown { self.value(node.child, depth) } else { f32::NAN };
+        found.value_max = found.value_max.max(value);
+        if node.fate != Fate::Open {
+            return node.fate;
         }
+        let (rect, size, near_depth, clipped) = match self.stage.projector.footprint(&node.bounds) {
+            Footprint::Outside => return Fate::Outside,
+            Footprint::TooSmall => return Fate::TooSmall,
+            Footprint::Seen { rect, size, depth, clipped } => (rect, size, depth, clipped),
+        };
+        if self.stage.surfaces.is_some_and(|surfaces| surfaces.hide(&rect, near_depth)) {
+            return Fate::Hidden;
+        }
+        if size < smallest {
+            return Fate::OverBudget;
+        }
+        if shown {
+            let Reached { child, bounds, .. } = node;
+            let eye = self.stage.projector.frame.eye;
+            let distance2 = eye.max(bounds.min).min(bounds.max).distance_squared(eye);
+            let node = self.node_id(child);
+            found.boxes.push(ShownBox { bounds, rect, clipped, depth, size, value, distance2, node });
+        }
+        Fate::Open
     }
 
     fn descend(&self, node_idx: u32, fate: Fate, found: &mut Found) {
@@ -236,5 +244,30 @@ impl<const N: usize> Walk<'_, N> {
     fn node_id(&self, child: ChildRef) -> u32 {
         let first_leaf = self.tree.nodes.len() as u32;
         child.as_inner().or(child.as_leaf().map(|leaf_idx| first_leaf + leaf_idx)).unwrap_or(u32::MAX)
+    }
+
+    fn color_range(&self, value_max: f32) -> Option<[f32; 2]> {
+        match self.settings.color {
+            BoxColor::Depth => Some([self.depths[0] as f32, value_max]),
+            // Of the whole tree, so that a colour keeps its meaning when the range of depths moves.
+            BoxColor::LeafSize => {
+                let most = self.tree.leaves.iter().map(|leaf| leaf.count).max()?;
+                Some([1.0, most as f32])
+            }
+            BoxColor::SahShare => (value_max > 0.0).then_some([value_max * SHARE_SPAN, value_max]),
+        }
+    }
+}
+
+impl Found {
+    fn count(&mut self, fate: Fate) {
+        self.selected += 1;
+        match fate {
+            Fate::Open => {}
+            Fate::Outside => self.outside += 1,
+            Fate::TooSmall => self.too_small += 1,
+            Fate::Hidden => self.hidden += 1,
+            Fate::OverBudget => self.over_budget += 1,
+        }
     }
 }
