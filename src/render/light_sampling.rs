@@ -22,6 +22,8 @@ pub struct LightTable<'s> {
     /// Sums of the probabilities up to and with each of `scene.lights`.
     cumulative: Vec<f64>,
     probability: Vec<f32>,
+    /// 0 for a point light.
+    area: Vec<f32>,
     /// Shape index and light index, sorted by shape.
     shape_lights: Vec<(u32, u32)>,
     sky_probability: f32,
@@ -42,16 +44,34 @@ pub struct LightSample {
     pub shadow_ray: Ray,
 }
 
+/// What a light's surface sends out.
+#[derive(Clone, Copy, Debug)]
+struct Emission {
+    radiance: Vec3,
+    can_be_hit: bool,
+}
+
+/// A point of a light drawn by area, before the receiver is known.
+#[derive(Clone, Copy, Debug)]
+pub struct AreaPoint {
+    index: usize,
+    point: SurfaceSample,
+    emission: Emission,
+}
+
 /// A point of a light's surface, seen from a receiver.
 struct LightPoint {
     point: SurfaceSample,
+    /// Unit, from the receiver.
+    direction: Vec3,
     /// By solid angle.
     pdf: f32,
 }
 
 impl<'s> LightTable<'s> {
     pub fn new(scene: &'s Scene) -> Self {
-        let power = scene.lights.iter().map(|light| light_power(scene, light));
+        let area: Vec<f32> = scene.lights.iter().map(|light| light_area(scene, light)).collect();
+        let power = scene.lights.iter().zip(&area).map(|(light, area)| light_power(scene, light, *area));
         let mut cumulative: Vec<f64> = power
             .scan(0.0, |sum, power| {
                 *sum += power;
@@ -81,7 +101,7 @@ impl<'s> LightTable<'s> {
             })
             .collect();
         shape_lights.sort_unstable();
-        Self { scene, cumulative, probability, shape_lights, sky_probability: sky_probability as f32 }
+        Self { scene, cumulative, probability, area, shape_lights, sky_probability: sky_probability as f32 }
     }
 
     /// How many lights there are, without the sky.
@@ -132,25 +152,46 @@ impl<'s> LightTable<'s> {
     pub fn sample_one(&self, index: usize, to: &Surface, u: Vec2) -> Option<LightSample> {
         match self.scene.lights[index] {
             Light::Point { position, intensity } => sample_point(position, intensity, to),
-            Light::Panel { quad, radiance } => {
-                let light = area_point(&Shape::Quad(quad), to.position, u)?;
-                light.seen_from(to, radiance, false)
-            }
-            Light::Shape { shape } => {
-                let MaterialKind::Emissive { radiance } = self.scene.material(shape).kind else {
-                    return None;
-                };
-                let light = match self.scene.shape(shape) {
-                    Shape::Sphere(sphere) => cone_point(&sphere, to.position, u)?,
-                    other => area_point(&other, to.position, u)?,
-                };
-                light.seen_from(to, radiance, true)
+            Light::Panel { .. } | Light::Shape { .. } => match self.shape(index) {
+                Shape::Sphere(sphere) => {
+                    cone_point(&sphere, to.position, u)?.seen_from(to, self.emission(index)?)
+                }
+                other => self.sample_at(&self.area_point(index, &other, u)?, to),
+            },
+        }
+    }
+
+    /// The point of light number `index` for `u`, where it is the same for every receiver and as good for all: on flat
+    /// lights, which show all of them the same side.
+    pub fn flat_point(&self, index: usize, u: Vec2) -> Option<AreaPoint> {
+        match self.scene.lights[index] {
+            Light::Point { .. } => None,
+            Light::Panel { .. } | Light::Shape { .. } => {
+                let shape = self.shape(index);
+                match shape.kind() {
+                    ShapeKind::Triangle | ShapeKind::Quad => self.area_point(index, &shape, u),
+                    ShapeKind::Sphere | ShapeKind::Cuboid | ShapeKind::Torus => None,
+                }
             }
         }
     }
 
-    /// Whether a point of the light number `index` that is seen from one place is seen from nearby places, too, as on flat
-    /// and round lights; a cuboid may show another side.
+    /// The way to a point drawn by area; `None` where the receiver is on its inside.
+    #[inline]
+    pub fn sample_at(&self, light: &AreaPoint, to: &Surface) -> Option<LightSample> {
+        let way = light.point.position - to.position;
+        let distance = way.length();
+        let direction = way / distance;
+        let pdf = area_pdf(self.area[light.index], -direction.dot(light.point.normal), distance);
+        if pdf > 0.0 {
+            LightPoint { point: light.point, direction, pdf }.seen_from(to, light.emission)
+        } else {
+            None
+        }
+    }
+
+    /// Whether light number `index` is as good to sample with the same `u` for all receivers: a point, a flat light or a
+    /// sphere, whose visible cap turns along; a cuboid may show another side.
     pub fn shows_one_side(&self, index: usize) -> bool {
         match self.scene.lights[index] {
             Light::Point { .. } | Light::Panel { .. } => true,
@@ -167,12 +208,12 @@ impl<'s> LightTable<'s> {
         let Ok(found) = self.shape_lights.binary_search_by_key(&hit.shape, |(shape, _)| *shape) else {
             return 0.0;
         };
-        let picked = self.probability[self.shape_lights[found].1 as usize];
+        let light = self.shape_lights[found].1 as usize;
         let pdf = match self.scene.shape(hit.shape) {
             Shape::Sphere(sphere) => cone(&sphere, from).map_or(0.0, |c| c.pdf),
-            other => area_pdf(other.area(), -direction.dot(hit.geometric_normal), distance),
+            _ => area_pdf(self.area[light], -direction.dot(hit.geometric_normal), distance),
         };
-        picked * pdf
+        self.probability[light] * pdf
     }
 
     /// The PDF by solid angle with which [`LightTable::sample`] draws a direction of the sky at cosine `cosine` against the
@@ -187,6 +228,33 @@ impl<'s> LightTable<'s> {
         let index = self.cumulative.partition_point(|sum| *sum <= pick);
         // Past the end: no light has any power (rounding cannot, as the last sum is exactly 1).
         (index < self.cumulative.len()).then_some(index)
+    }
+
+    /// The shape of a light that is no point.
+    #[inline]
+    fn shape(&self, index: usize) -> Shape {
+        match self.scene.lights[index] {
+            Light::Panel { quad, .. } => Shape::Quad(quad),
+            Light::Shape { shape } => self.scene.shape(shape),
+            Light::Point { .. } => unreachable!("a point light has no shape"),
+        }
+    }
+
+    /// What a light that is no point sends out; `None` for a shape that is no emitter.
+    #[inline]
+    fn emission(&self, index: usize) -> Option<Emission> {
+        match self.scene.lights[index] {
+            Light::Panel { radiance, .. } => Some(Emission { radiance, can_be_hit: false }),
+            Light::Shape { shape } => {
+                Some(Emission { radiance: emitted(self.scene, shape)?, can_be_hit: true })
+            }
+            Light::Point { .. } => None,
+        }
+    }
+
+    #[inline]
+    fn area_point(&self, index: usize, shape: &Shape, u: Vec2) -> Option<AreaPoint> {
+        Some(AreaPoint { index, point: shape.sample(u), emission: self.emission(index)? })
     }
 
     fn sample_sky(&self, to: &Surface, frame: &ShadingFrame, u: Vec2) -> Option<LightSample> {
@@ -209,16 +277,12 @@ impl LightSample {
 }
 
 impl LightPoint {
-    fn seen_from(self, to: &Surface, radiance: Vec3, can_be_hit: bool) -> Option<LightSample> {
-        let direction = (self.point.position - to.position).try_normalize()?;
-        let shadow_ray = self.point.ray_from(to.ray_origin(direction));
-        self.pdf.is_finite().then_some(LightSample {
-            direction,
-            radiance,
-            pdf: self.pdf,
-            can_be_hit,
-            shadow_ray,
-        })
+    #[inline]
+    fn seen_from(self, to: &Surface, emission: Emission) -> Option<LightSample> {
+        let Self { point, direction, pdf } = self;
+        let Emission { radiance, can_be_hit } = emission;
+        let shadow_ray = point.ray_from(to.ray_origin(direction));
+        pdf.is_finite().then_some(LightSample { direction, radiance, pdf, can_be_hit, shadow_ray })
     }
 }
 
@@ -227,17 +291,31 @@ fn has_light(radiance: Vec3) -> bool {
     radiance.max_element() > 0.0 && radiance.is_finite()
 }
 
+/// The radiance of a shape, if it is an emitter.
+#[inline]
+fn emitted(scene: &Scene, shape: u32) -> Option<Vec3> {
+    match scene.material(shape).kind {
+        MaterialKind::Emissive { radiance } => Some(radiance),
+        MaterialKind::Diffuse { .. } | MaterialKind::Mirror | MaterialKind::Glass { .. } => None,
+    }
+}
+
+fn light_area(scene: &Scene, light: &Light) -> f32 {
+    match light {
+        Light::Point { .. } => 0.0,
+        Light::Panel { quad, .. } => quad.area(),
+        Light::Shape { shape } => scene.shape(*shape).area(),
+    }
+}
+
 /// Emitted power in watts, as the mean of the three channels. Not finite or negative: none.
-fn light_power(scene: &Scene, light: &Light) -> f64 {
+fn light_power(scene: &Scene, light: &Light, area: f32) -> f64 {
+    use std::f64::consts::PI;
     let mean = |c: Vec3| f64::from(c.x + c.y + c.z) / 3.0;
-    let from_area = |radiance: Vec3, area: f32| std::f64::consts::PI * f64::from(area) * mean(radiance);
     let power = match light {
-        Light::Point { intensity, .. } => 4.0 * std::f64::consts::PI * mean(*intensity),
-        Light::Panel { quad, radiance } => from_area(*radiance, quad.area()),
-        Light::Shape { shape } => match scene.material(*shape).kind {
-            MaterialKind::Emissive { radiance } => from_area(radiance, scene.shape(*shape).area()),
-            MaterialKind::Diffuse { .. } | MaterialKind::Mirror | MaterialKind::Glass { .. } => 0.0,
-        },
+        Light::Point { intensity, .. } => 4.0 * PI * mean(*intensity),
+        Light::Panel { radiance, .. } => PI * f64::from(area) * mean(*radiance),
+        Light::Shape { shape } => PI * f64::from(area) * emitted(scene, *shape).map_or(0.0, mean),
     };
     if power.is_finite() { power.max(0.0) } else { 0.0 }
 }
@@ -250,15 +328,6 @@ fn sample_point(position: Vec3, intensity: Vec3, to: &Surface) -> Option<LightSa
     let shadow_ray = Ray { origin, direction: position - origin, t_min: 0.0, t_max: 1.0 };
     let radiance = intensity / distance2;
     Some(LightSample { direction, radiance, pdf: 1.0, can_be_hit: false, shadow_ray })
-}
-
-/// A point drawn by area; `None` where the receiver looks at its inside.
-fn area_point(shape: &Shape, from: Vec3, u: Vec2) -> Option<LightPoint> {
-    let point = shape.sample(u);
-    let way = point.position - from;
-    let distance = way.length();
-    let pdf = area_pdf(shape.area(), -way.dot(point.normal) / distance, distance);
-    (pdf > 0.0).then_some(LightPoint { point, pdf })
 }
 
 /// The PDF by solid angle of a point drawn uniformly from `area`, seen at `cosine` against its normal; 0 from behind.
@@ -305,7 +374,8 @@ fn cone_point(sphere: &Sphere, from: Vec3, u: Vec2) -> Option<LightPoint> {
     // Centre, product and sum are each rounded once, and the unit normal four times.
     let error = (sphere.center.abs() + Vec3::splat(6.0 * sphere.radius)) * f32::EPSILON;
     let point = SurfaceSample { position, error, normal, uv: Vec2::ZERO };
-    Some(LightPoint { point, pdf: cone.pdf })
+    let direction = (position - from).try_normalize()?;
+    Some(LightPoint { point, direction, pdf: cone.pdf })
 }
 
 /// A uniform point of the unit disk; the centre of the square maps to that of the disk, and neighbours stay neighbours

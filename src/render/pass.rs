@@ -3,12 +3,15 @@
 use glam::Vec2;
 
 use super::film::RenderSettings;
-use super::light_sampling::{LightSample, LightTable};
+use super::light_sampling::{AreaPoint, LightSample, LightTable};
 use super::sampler::{Sampler, pixel_offset, shared_pick, shared_point};
 use crate::geometry::Ray;
 use crate::scene::camera::CameraFrame;
 use crate::scene::{Camera, ShadowRule, Surface};
 use crate::world::World;
+
+/// With more lights than this, Whitted and the shadow views draw some by their power instead of asking all.
+pub const LIGHTS_MAX: usize = 16;
 
 /// Everything that a pixel's value is a function of, for one sample number.
 #[derive(Debug)]
@@ -23,6 +26,8 @@ pub struct Pass<'a> {
     pub sample: u32,
     /// Where on flat and round lights all pixels of this sample sample them, for Whitted and the shadow views.
     pub light_point: Vec2,
+    /// That point of every flat light, up to [`LIGHTS_MAX`] lights.
+    flat_points: Vec<Option<AreaPoint>>,
     /// Which of several lights the shadow views ask for, as a share of what arrives from all of them.
     pub light_pick: f32,
 }
@@ -37,22 +42,30 @@ impl<'a> Pass<'a> {
         shadow_rule: ShadowRule,
         sample: u32,
     ) -> Self {
+        let lights = LightTable::new(&world.scene);
+        let light_point = shared_point(sample);
+        let count = lights.len().min(LIGHTS_MAX);
         Self {
             world,
-            lights: LightTable::new(&world.scene),
+            flat_points: (0..count).map(|index| lights.flat_point(index, light_point)).collect(),
+            lights,
             camera: camera.frame(size[0], size[1]),
             shadow_rule,
             seed: settings.seed,
             max_depth: settings.max_depth,
             sample,
-            light_point: shared_point(sample),
+            light_point,
             light_pick: shared_pick(sample),
         }
     }
 
-    /// A point of light number `index`: the one that all pixels share, where that sees what its neighbours see.
+    /// A point of light number `index`, one of the first [`LIGHTS_MAX`]: the one that all pixels share, where that is as
+    /// good for all.
     #[inline]
     pub fn sample_light(&self, index: usize, to: &Surface, sampler: &mut Sampler) -> Option<LightSample> {
+        if let Some(flat) = &self.flat_points[index] {
+            return self.lights.sample_at(flat, to);
+        }
         let u = if self.lights.shows_one_side(index) { self.light_point } else { sampler.next_2d() };
         self.lights.sample_one(index, to, u)
     }

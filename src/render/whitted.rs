@@ -11,14 +11,11 @@ use glam::Vec3;
 use super::bsdf::{Bsdf, ShadingFrame, transmittance};
 use super::light_sampling::LightSample;
 use super::observer::{RayKind, RayObserver};
-use super::pass::Pass;
+use super::pass::{LIGHTS_MAX, Pass};
 use super::path::{absorption_before, medium_behind};
 use super::sampler::Sampler;
 use crate::geometry::Ray;
 use crate::scene::Surface;
-
-/// Shadow rays a surface, at most.
-pub const LIGHTS_MAX: usize = 16;
 
 /// A reflected or refracted ray that would add less than this is not traced.
 const WEIGHT_MIN: f32 = 1.0 / 512.0;
