@@ -176,7 +176,8 @@ impl MaterialFiles<'_> {
 mod tests {
     use glam::{Vec2, Vec3};
 
-    use crate::scene::load::tests::{Files, load_bytes, refuses, repairs, sound};
+    use crate::scene::load::Format;
+    use crate::scene::load::tests::{Files, load_bytes, refuses, repairs, sound, survives_damage};
     use crate::scene::{Color, MaterialKind, MeshTriangle, Scene};
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -387,6 +388,12 @@ mod tests {
         ]);
         let loaded = files.load("a.obj").expect("a scene");
         assert!(loaded.warnings[0].contains("wood.png cannot be read"), "{:?}", loaded.warnings);
+    }
+
+    #[test]
+    fn damage_is_never_a_panic() {
+        let text = "vt 0 0\nvn 0 0 1\ng a\nusemtl b\nf 1/1/1 2/1/1 3/1/1 4/1/1\nf -1 -2 -3\n";
+        survives_damage(Format::Obj, &square(text));
     }
 
     #[test]

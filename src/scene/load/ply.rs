@@ -270,7 +270,8 @@ fn read_text(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::load::tests::{load_bytes, refuses, repairs, sound};
+    use crate::scene::load::Format;
+    use crate::scene::load::tests::{load_bytes, refuses, repairs, sound, survives_damage};
     use crate::scene::{MeshTriangle, Scene};
 
     const VERTEX: &str = "property float x\nproperty float y\nproperty float z\n";
@@ -410,6 +411,14 @@ mod tests {
                 refuses("a.ply", text.as_bytes(), &["vertex 1 of", "truncated"]);
             }
         }
+    }
+
+    #[test]
+    fn damage_is_never_a_panic() {
+        for format in ["binary_little_endian", "binary_big_endian"] {
+            survives_damage(Format::Ply, &binary(format));
+        }
+        survives_damage(Format::Ply, &ascii(4, 2, &format!("{SQUARE}3 0 1 2\n4 0 1 2 3\n")));
     }
 
     #[test]

@@ -152,7 +152,8 @@ fn vertex<'a>(mut words: impl Iterator<Item = &'a str>) -> Option<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::load::tests::{load_bytes, refuses, repairs, sound};
+    use crate::scene::load::Format;
+    use crate::scene::load::tests::{load_bytes, refuses, repairs, sound, survives_damage};
 
     const FACET: &str =
         "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
@@ -238,6 +239,12 @@ mod tests {
         refuses("a.stl", &binary(b"", &[]), &["no faces"]);
         refuses("a.stl", b"solid\nendsolid\n", &["no faces"]);
         repairs("a.stl", text.as_bytes(), 1, &["endsolid"]);
+    }
+
+    #[test]
+    fn damage_is_never_a_panic() {
+        survives_damage(Format::Stl, &binary(b"", &[A, B]));
+        survives_damage(Format::Stl, format!("solid\n{FACET}endsolid\n").as_bytes());
     }
 
     #[test]

@@ -61,6 +61,25 @@ pub(super) fn repairs(name: &str, bytes: &[u8], count: usize, parts: &[&str]) ->
     loaded.scene
 }
 
+/// Checks that no single damaged byte makes a reader panic, hang, or make a scene that is not sound.
+pub(super) fn survives_damage(format: Format, whole: &[u8]) {
+    let mut bytes = whole.to_vec();
+    for place in 0..bytes.len() {
+        for damage in [0x00, 0xff, bytes[place] ^ 0x01, b'9'] {
+            let sound = std::mem::replace(&mut bytes[place], damage);
+            let model = parse(format, &bytes, Path::new("no such folder"), &Task::new());
+            if let Ok((scene, _)) = model.and_then(|model| model.finish("damaged", UpAxis::Y)) {
+                assert!(
+                    scene.bounds().is_finite() && scene.camera.eye.is_finite(),
+                    "byte {place} as {damage}"
+                );
+                assert_eq!(scene.shapes.len(), scene.shape_materials.len());
+            }
+            bytes[place] = sound;
+        }
+    }
+}
+
 const TRIANGLE: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
 #[test]
