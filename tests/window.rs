@@ -139,7 +139,7 @@ fn commonest(picture: &RgbaImage) -> ([u8; 4], f64) {
 
 /// A rendered scene: neither black nor white nor uniform, with the many colours of light on surfaces.
 fn assert_scene(window: &RgbaImage, name: &str) {
-    let viewport = part(window, (330, 90), (900, 740));
+    let viewport = part(window, (340, 90), (920, 740));
     let (mean, deviation, colors) = statistics(&viewport);
     assert!((15.0..240.0).contains(&mean), "{name}: mean luminance {mean}");
     assert!(deviation > 12.0, "{name}: the picture is uniform, deviation {deviation}");
@@ -159,9 +159,9 @@ fn assert_panel(window: &RgbaImage, min: (u32, u32), max: (u32, u32), name: &str
 
 fn assert_panels(window: &RgbaImage) {
     assert_eq!(window.dimensions(), SIZE);
-    assert_panel(window, (4, 70), (296, 440), "Build");
-    assert_panel(window, (940, 70), (1270, 400), "Boxes");
-    assert_panel(window, (940, 440), (1270, 760), "Cost");
+    assert_panel(window, (4, 62), (312, 400), "Build");
+    assert_panel(window, (4, 430), (312, 760), "Boxes");
+    assert_panel(window, (950, 62), (1270, 760), "Cost");
     assert_panel(window, (0, 0), (320, 28), "menus");
     assert_panel(window, (0, 28), (700, 58), "toolbar");
 }
@@ -200,7 +200,7 @@ fn boxes_are_drawn_over_the_picture_at_first_start() {
         return;
     };
     assert_scene(&boxes, "with boxes");
-    let (min, max) = ((330, 90), (900, 740));
+    let (min, max) = ((340, 90), (920, 740));
     let differing =
         part(&boxes, min, max).pixels().zip(part(&plain, min, max).pixels()).filter(|(a, b)| a != b).count();
     assert!(differing > 3_000, "no boxes: only {differing} pixels of the picture differ");

@@ -34,6 +34,7 @@ impl Target<'_> {
             Command::OpenScene(scene) => self.open(Source::Scene(scene)),
             Command::OpenSession(path) => self.open(Source::SessionFile(path)),
             Command::SaveSession(path) => {
+                self.changed();
                 stages::export::save_session(self.jobs, self.state, with_extension(path, "ron"));
             }
             Command::AskOpen => self.jobs.dialogs.ask_open(&self.jobs.context),
@@ -42,7 +43,7 @@ impl Target<'_> {
             }
             Command::SetAnimating(animating) => self.set_animating(animating),
             Command::CancelLoad => self.jobs.load.cancel(),
-            Command::CancelBuild => self.jobs.build.cancel(),
+            Command::CancelBuild => self.cancel_build(),
             Command::FrameScene => self.frame_scene(),
             Command::ResetCamera => self.edit(Box::new(|session| session.camera = None)),
             Command::SetPaused(paused) => self.state.paused = paused,
@@ -166,7 +167,16 @@ impl Target<'_> {
         }));
     }
 
+    fn cancel_build(&mut self) {
+        if self.jobs.build.running().is_some() {
+            self.jobs.build.cancel();
+            self.state.messages.say("The build was cancelled; picture and figures show the tree before.");
+        }
+    }
+
+    /// What is asked for comes before what is measured in the background.
     fn export(&mut self, request: ExportRequest) {
+        self.changed();
         stages::export::export(self.jobs, self.state, self.ctx, request);
     }
 

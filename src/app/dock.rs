@@ -1,9 +1,7 @@
 //! Draws the tiles: the viewport, and the panels behind their tabs.
 
 use egui::{Color32, Response, Stroke, Style, Ui, Visuals, WidgetText};
-use egui_tiles::{
-    Behavior, Container, ResizeState, SimplificationOptions, TabState, TileId, Tiles, UiResponse,
-};
+use egui_tiles::{Behavior, ResizeState, SimplificationOptions, TabState, TileId, Tiles, UiResponse};
 
 use super::commands::Commands;
 use super::layout::{Layout, Pane, simplification};
@@ -26,6 +24,7 @@ pub fn ui(ui: &mut Ui, layout: &mut Layout, dock: Dock) -> Option<ViewportOutput
     let view = dock.state.view();
     let mut behavior = TileBehavior {
         viewport_tile: layout.tree.tiles.find_pane(&Pane::Viewport),
+        in_front: layout.tree.active_tiles(),
         view: &view,
         dock,
         output: None,
@@ -41,6 +40,7 @@ pub fn ui(ui: &mut Ui, layout: &mut Layout, dock: Dock) -> Option<ViewportOutput
 
 struct TileBehavior<'a> {
     viewport_tile: Option<TileId>,
+    in_front: Vec<TileId>,
     view: &'a AppView<'a>,
     dock: Dock<'a>,
     output: Option<ViewportOutput>,
@@ -73,9 +73,7 @@ impl Behavior<Pane> for TileBehavior<'_> {
 
     /// The panel in front of its tabs; the View menu brings it back.
     fn is_tab_closable(&self, tiles: &Tiles<Pane>, id: TileId) -> bool {
-        let is_panel = matches!(tiles.get_pane(&id), Some(Pane::Panel(_)));
-        let tabs = tiles.parent_of(id).and_then(|parent| tiles.get_container(parent));
-        is_panel && matches!(tabs, Some(Container::Tabs(tabs)) if tabs.is_active(id))
+        self.in_front.contains(&id) && matches!(tiles.get_pane(&id), Some(Pane::Panel(_)))
     }
 
     /// Hides it; its place is kept.

@@ -9,10 +9,10 @@ use super::panels::PanelKind;
 pub const STORAGE_KEY: &str = "bvhscope_layout_1";
 
 /// Widths of the columns at the sides of the first start, in points.
-const LEFT_WIDTH: f32 = 306.0;
-const RIGHT_WIDTH: f32 = 350.0;
-/// The part of the right column that the boxes have.
-const UPPER_SHARE: f32 = 0.56;
+const LEFT_WIDTH: f32 = 322.0;
+const RIGHT_WIDTH: f32 = 342.0;
+/// The part of the left column that the build has.
+const UPPER_SHARE: f32 = 0.45;
 /// The viewport is never made narrower than this to keep the columns as wide as they were.
 const LEAST_VIEWPORT: f32 = 320.0;
 
@@ -169,8 +169,8 @@ pub fn simplification() -> SimplificationOptions {
     SimplificationOptions { all_panes_must_have_tabs: true, ..SimplificationOptions::default() }
 }
 
-/// At the left the settings, in the middle the picture, at the right what the tree does. At 1280 x 800 the boxes and
-/// the costs fit side by side with the build; what is needed less often lies behind tabs.
+/// At the left the settings of tree and boxes, in the middle the picture, at the right what the tree costs, with the
+/// whole height for its plots. What is needed less often lies behind tabs.
 fn default_tree() -> Tree<Pane> {
     use PanelKind::{Boxes, Build, Cost, Export, Heatmap, Scene, Shadows, Table};
     let mut tiles = Tiles::default();
@@ -178,15 +178,15 @@ fn default_tree() -> Tree<Pane> {
         let children = kinds.iter().map(|k| tiles.insert_pane(Pane::Panel(*k))).collect();
         tiles.insert_tab_tile(children)
     };
-    let left = tabs(&mut tiles, &[Build, Scene, Export]);
-    let above = tabs(&mut tiles, &[Boxes, Heatmap, Shadows]);
-    let below = tabs(&mut tiles, &[Cost, Table]);
+    let above = tabs(&mut tiles, &[Build, Scene, Export]);
+    let below = tabs(&mut tiles, &[Boxes, Heatmap]);
+    let mut left = Linear::new(LinearDir::Vertical, vec![above, below]);
+    left.shares.set_share(above, UPPER_SHARE);
+    left.shares.set_share(below, 1.0 - UPPER_SHARE);
+    let left = tiles.insert_container(left);
     let viewport = tiles.insert_pane(Pane::Viewport);
     let viewport = tiles.insert_tab_tile(vec![viewport]);
-    let mut right = Linear::new(LinearDir::Vertical, vec![above, below]);
-    right.shares.set_share(above, UPPER_SHARE);
-    right.shares.set_share(below, 1.0 - UPPER_SHARE);
-    let right = tiles.insert_container(right);
+    let right = tabs(&mut tiles, &[Cost, Table, Shadows]);
     let mut columns = Linear::new(LinearDir::Horizontal, vec![left, viewport, right]);
     columns.shares.set_share(left, LEFT_WIDTH);
     columns.shares.set_share(viewport, 1280.0 - LEFT_WIDTH - RIGHT_WIDTH);

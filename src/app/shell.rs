@@ -108,7 +108,10 @@ impl App {
 
     /// Nothing runs, and nothing was asked for that is not there yet.
     pub fn is_idle(&self) -> bool {
-        self.jobs.is_idle() && !stages::curve::waits(&self.jobs, &self.now())
+        let now = self.now();
+        self.jobs.is_idle()
+            && !stages::curve::waits(&self.jobs, &now)
+            && !stages::table::waits(&self.jobs, &now)
     }
 
     fn now(&self) -> Now {
@@ -234,7 +237,7 @@ impl App {
         if statuses.into_iter().any(Option::is_some) {
             after(Duration::from_millis(100));
         }
-        if stages::table::waits(&self.jobs) || stages::curve::waits(&self.jobs, now) {
+        if stages::table::waits(&self.jobs, now) || stages::curve::waits(&self.jobs, now) {
             after(Duration::from_millis(200));
         }
     }

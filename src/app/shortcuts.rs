@@ -140,18 +140,24 @@ pub fn show_view(view: View) -> Command {
 
 /// The page, in a window of its own.
 pub fn help_window(ui: &Ui, open: &mut bool) {
-    egui::Window::new("Shortcuts").open(open).resizable(false).collapsible(false).show(ui.ctx(), |ui| {
-        for (heading, lines) in PAGE {
-            ui.add_space(4.0);
-            ui.strong(heading);
-            egui::Grid::new(heading).num_columns(2).spacing([24.0, 5.0]).show(ui, |ui| {
-                for (keys, what) in lines {
-                    ui.monospace(*keys);
-                    ui.label(*what);
+    let middle = ui.ctx().content_rect().center();
+    egui::Window::new("Shortcuts")
+        .open(open)
+        .default_pos(middle - egui::vec2(230.0, 270.0))
+        .resizable(false)
+        .collapsible(false)
+        .show(ui.ctx(), |ui| {
+            egui::Grid::new("shortcuts").num_columns(2).spacing([28.0, 5.0]).show(ui, |ui| {
+                for (heading, lines) in PAGE {
+                    ui.strong(heading);
+                    ui.end_row();
+                    for (keys, what) in lines {
+                        ui.monospace(*keys);
+                        ui.label(*what);
+                        ui.end_row();
+                    }
                     ui.end_row();
                 }
             });
-        }
-        ui.add_space(4.0);
-    });
+        });
 }

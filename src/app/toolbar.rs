@@ -89,8 +89,8 @@ fn toggles(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
 
 fn figures(ui: &mut Ui, view: &AppView) {
     let render = &view.render;
-    let goal = render.goal.map_or_else(String::new, |goal| format!(" of {goal}"));
-    let unit = if render.samples == 1 && render.goal.is_none() { "sample " } else { "samples" };
+    let goal = render.goal.filter(|goal| *goal > 1).map_or_else(String::new, |goal| format!(" of {goal}"));
+    let unit = if render.samples == 1 && goal.is_empty() { "sample " } else { "samples" };
     figure(ui, format!("{:>5}{goal} {unit}", render.samples), "Samples a pixel so far.");
     let speed = render.msamples_per_s.map_or_else(|| "   –".to_owned(), |m| format!("{m:>5.2}"));
     figure(ui, format!("{speed} M/s"), "Million samples of single pixels a second.");
@@ -111,4 +111,5 @@ fn figures(ui: &mut Ui, view: &AppView) {
 
 fn figure(ui: &mut Ui, text: String, about: &str) {
     ui.label(RichText::new(text).monospace().color(ui.visuals().text_color())).on_hover_text(about);
+    ui.add_space(8.0);
 }

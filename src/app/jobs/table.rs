@@ -58,7 +58,7 @@ pub enum TableMessage {
 pub type TableJob = Job<TableRequest, TableMessage>;
 
 pub fn job() -> TableJob {
-    Job::new(Patience::None, PoolKind::Measure, |run| {
+    Job::new(Patience::None, PoolKind::Work, |run| {
         // When the user interacts the shell cancels, and asks again later.
         let _ = measure(run);
     })
@@ -66,9 +66,11 @@ pub fn job() -> TableJob {
 
 fn measure(run: &Run<TableRequest, TableMessage>) -> Result<(), Cancelled> {
     let TableRequest { key, scene, settings } = run.request;
+    // This thread waits for the lease. The pool that measures must have all of its own.
+    let pool = run.context.pools().get(PoolKind::Measure);
     let _lease = run.context.gate.lease(run.task)?;
     let mut finished = |row: &TreeStats| run.emit(TableMessage::Row(Box::new(row.clone())));
-    five_trees(scene, &key.camera, &key.base, settings, run.task, &mut finished)?;
+    pool.install(|| five_trees(scene, &key.camera, &key.base, settings, run.task, &mut finished))?;
     run.emit(TableMessage::Done);
     Ok(())
 }

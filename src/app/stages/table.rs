@@ -1,5 +1,5 @@
 //! The table of five trees: measured under the lease when it is first looked at or asked for, given up when the user
-//! changes something, and tried again when all is quiet.
+//! changes something or looks elsewhere, and tried again when all is quiet.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -38,13 +38,14 @@ pub fn receive(jobs: &mut Jobs, state: &mut State, now: &Now) {
             }
         }
     }
-    // A change of what is shown comes first: give the measurement up, and try again later.
-    if jobs.table.running().is_some_and(|running| state.last_change > running.since) {
+    // A change of what is shown, and whatever another panel needs, comes first: give the measurement up, and try again
+    // later.
+    let changed = jobs.table.running().is_some_and(|running| state.last_change > running.since);
+    if jobs.memo.table.running.is_some() && (changed || !now.showing.table) {
         jobs.table.cancel();
         jobs.memo.table.running = None;
         drop_unfinished(state);
     }
-    let _ = now;
 }
 
 /// Stops measuring for good.
@@ -68,7 +69,8 @@ pub fn start(jobs: &mut Jobs, state: &mut State, now: &Now) {
     }
     let quiet = now.hold || now.time.saturating_duration_since(state.last_change) >= QUIET;
     let up_to_date = jobs.build.is_idle() && jobs.load.is_idle() && document.tree.scene == key.scene;
-    if !memo.wanted || memo.running.is_some() || !quiet || !up_to_date || state.animating {
+    let may_start = quiet && up_to_date && now.showing.table && !state.animating;
+    if !memo.wanted || memo.running.is_some() || !may_start {
         return;
     }
     memo.running = Some(key);
@@ -82,8 +84,8 @@ pub fn start(jobs: &mut Jobs, state: &mut State, now: &Now) {
 }
 
 /// Whether a frame is needed soon to start a measurement that waits for quiet.
-pub fn waits(jobs: &Jobs) -> bool {
-    jobs.memo.table.wanted && jobs.memo.table.running.is_none()
+pub fn waits(jobs: &Jobs, now: &Now) -> bool {
+    now.showing.table && jobs.memo.table.wanted && jobs.memo.table.running.is_none()
 }
 
 fn wanted_key(state: &State) -> Option<TableKey> {
