@@ -15,7 +15,7 @@ use bvhscope::app::commands::SaveTarget;
 use bvhscope::app::panels::PanelKind;
 use bvhscope::app::view::{CompareStyle, TableState};
 use bvhscope::render::{BoxStyle, View};
-use bvhscope::scene::UpAxis;
+use bvhscope::scene::{SceneRef, UpAxis};
 use egui::accesskit::Role;
 use egui::{Key, Pos2, Shape, pos2};
 use egui_kittest::Harness;
@@ -344,7 +344,10 @@ fn the_prediction_stands_beside_what_was_measured() {
 
 #[test]
 fn shadows_are_compared_in_two_pictures() {
-    let mut harness = panel(PanelKind::Shadows);
+    let mut program = Program::full(PanelKind::Shadows, true);
+    program.session.time = 1.0;
+    let mut harness = program.harness([WIDTHS[0], HEIGHT]);
+    assert_eq!(harness.state().asked, Vec::<String>::new(), "what was set stays when the panel opens");
     harness.get_by_label("Show the false shadow").click();
     harness.run();
     harness.get_by_label("Compare wipe").click();
@@ -361,6 +364,16 @@ fn shadows_are_compared_in_two_pictures() {
     assert_eq!((program.session.view, program.compare), (View::ShadowDifference, None));
     assert_eq!(program.session.shadow_rule.name(), "glass+mirror");
     assert_eq!(program.asked[0], "shadow preset");
+}
+
+#[test]
+fn the_shadows_open_on_their_preset_over_the_default_scene_as_it_came() {
+    let harness = panel(PanelKind::Shadows);
+    assert_eq!(harness.state().asked, ["shadow preset"], "once");
+    let mut program = Program::full(PanelKind::Shadows, true);
+    program.session.scene.reference = SceneRef::File("mine.obj".into());
+    let harness = program.harness([WIDTHS[0], HEIGHT]);
+    assert_eq!(harness.state().asked, Vec::<String>::new(), "a scene of the user's own stays");
 }
 
 #[test]

@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use glam::Vec3;
+
 use super::commands::{Command, ExportRequest};
 use super::jobs::dialog::DialogAnswer;
 use super::jobs::load::Source;
@@ -14,8 +16,16 @@ use super::theme;
 use super::theme::Palette;
 use crate::export::session_file;
 use crate::render::View;
-use crate::scene::{Camera, SceneRef};
+use crate::scene::{Camera, SceneRef, UpAxis};
 use crate::session::Session;
+
+/// Sees the glass cuboid of the default scene and all of its shadow, in a picture of any shape.
+const FALSE_SHADOW: Camera = Camera {
+    eye: Vec3::new(0.1, 1.75, 2.8),
+    target: Vec3::new(-1.3, 0.42, 0.3),
+    fov_y_degrees: 46.0,
+    up: UpAxis::Y,
+};
 
 /// Everything that a command may change.
 pub struct Target<'a> {
@@ -162,7 +172,8 @@ impl Target<'_> {
         self.state.compare = None;
         self.edit(Box::new(|session| {
             session.view = View::ShadowDifference;
-            session.camera = None;
+            session.up = UpAxis::Y;
+            session.camera = Some(FALSE_SHADOW);
             session.time = 0.0;
         }));
     }

@@ -4,6 +4,8 @@ use std::time::{Duration, Instant};
 
 use bvhscope::app::panels::PanelKind;
 use bvhscope::app::{App, AppOptions};
+use bvhscope::render::View;
+use bvhscope::render::shadow::ShadowClass;
 use bvhscope::scene::SceneRef;
 use bvhscope::session::Session;
 use egui::accesskit::Role;
@@ -84,6 +86,41 @@ fn a_build_of_the_history_comes_back_with_its_figures() {
     assert!(figure(&window, "SAH cost").starts_with(first.as_deref().expect("a figure")));
 }
 
+fn keep(window: &mut Window, name: &str) {
+    if let Some(picture) = super::rendered(|| window.render()) {
+        super::keep(&picture, name);
+    }
+}
+
+#[test]
+fn the_shadows_open_on_the_false_shadow() {
+    let mut window = window("bunny", SIZE);
+    window.state_mut().layout_mut().show(PanelKind::Shadows, true);
+    settle(&mut window);
+    let state = window.state().state();
+    assert_eq!(state.session.view, View::ShadowDifference);
+    let counts = state.shadow.counts.expect("the pixels are counted while the panel is open");
+    let all: u64 = counts.0.iter().sum();
+    let wrong = counts.get(ShadowClass::DarkOnlyInOccluded);
+    assert!(wrong * 200 > all, "{wrong} of {all} pixels show the false shadow");
+    keep(&mut window, "Window-false-shadow");
+}
+
+#[test]
+fn a_counter_chosen_in_the_heatmap_is_counted_and_shown() {
+    let mut window = window("soup:500", SIZE);
+    window.state_mut().layout_mut().show(PanelKind::Heatmap, true);
+    settle(&mut window);
+    window.get_by_role_and_label(Role::ComboBox, "Counter").click();
+    settle(&mut window);
+    window.get_by_role_and_label(Role::Button, "ray cost").click();
+    settle(&mut window);
+    assert_eq!(window.state().state().session.view, View::RayCost);
+    let highest = figure(&window, "Maximum");
+    assert!(highest.chars().any(|c| ('1'..='9').contains(&c)), "{highest}");
+    keep(&mut window, "Window-heatmap");
+}
+
 #[test]
 fn every_panel_shows_in_the_window() {
     let mut window = window("bunny", SIZE);
@@ -91,7 +128,6 @@ fn every_panel_shows_in_the_window() {
         window.state_mut().layout_mut().show(kind, true);
         settle(&mut window);
         assert_eq!(window.unnamed_widgets(), Vec::<String>::new());
-        let Some(picture) = super::rendered(|| window.render()) else { continue };
-        super::keep(&picture, &format!("Window-{}", kind.title()));
+        keep(&mut window, &format!("Window-{}", kind.title()));
     }
 }

@@ -3,6 +3,7 @@
 use egui::{DragValue, RichText, Ui};
 
 use crate::accel::quality::DepthLevel;
+use crate::app::DEFAULT_BOXES;
 use crate::app::commands::Commands;
 use crate::app::view::AppView;
 use crate::render::{BoxColor, BoxStyle, OverlaySettings};
@@ -12,8 +13,6 @@ use super::numbers;
 use super::range_bars::{FreeDrag, RangeBars};
 use super::widgets::{self, Figure};
 
-/// How deep the boxes are shown when they are first switched on.
-const FIRST_DEPTH: u32 = 6;
 const LARGEST_BUDGET: u32 = 10_000_000;
 
 /// View state of the Boxes panel.
@@ -33,7 +32,7 @@ impl BoxesPanel {
                 self.last_depths = settings.depths;
                 None
             } else {
-                Some(self.last_depths.unwrap_or([0, FIRST_DEPTH.min(deepest)]))
+                Some(self.last_depths.unwrap_or(DEFAULT_BOXES))
             };
             commands.edit(move |s| s.overlay.depths = depths);
         }

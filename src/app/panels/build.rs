@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use egui::{DragValue, Label, RichText, Ui};
+use egui::{DragValue, Frame, Label, Margin, RichText, Ui};
 
 use crate::accel::{BuildConfig, Builder, StopRule, Widen, Width};
 use crate::app::commands::{Command, Commands};
@@ -231,7 +231,9 @@ fn phases(ui: &mut Ui, view: &AppView, world: &World) {
         .map(|phase| format!("{} {}", phase.name, numbers::decimal(phase.ms, 2)))
         .collect();
     let text = RichText::new(parts.join(" · ")).small().color(view.palette.muted);
-    ui.indent("phases", |ui| ui.add(Label::new(text).wrap()).on_hover_text(Term::BuildPhase.text()));
+    Frame::NONE.inner_margin(Margin { left: 12, ..Margin::ZERO }).show(ui, |ui| {
+        ui.add(Label::new(text).wrap()).on_hover_text(Term::BuildPhase.text());
+    });
 }
 
 /// The build before the newest one, if it was of the same scene.

@@ -6,7 +6,7 @@ use crate::app::commands::{Command, Commands};
 use crate::app::view::{AppView, CompareStyle, CompareViews};
 use crate::render::View;
 use crate::render::shadow::ShadowClass;
-use crate::scene::ShadowRule;
+use crate::scene::{SceneRef, ShadowRule};
 
 use super::cost::share_bar;
 use super::glossary::Term;
@@ -26,16 +26,20 @@ const PICTURES: [View; 5] = [
 pub struct ShadowsPanel {
     left: View,
     right: View,
+    drawn: bool,
 }
 
 impl Default for ShadowsPanel {
     fn default() -> Self {
-        Self { left: View::ShadowIntersect, right: View::ShadowOccluded }
+        Self { left: View::ShadowIntersect, right: View::ShadowOccluded, drawn: false }
     }
 }
 
 impl ShadowsPanel {
     pub fn ui(&mut self, ui: &mut Ui, view: &AppView, commands: &mut Commands) {
+        if !std::mem::replace(&mut self.drawn, true) && is_untouched(view) {
+            commands.push(Command::ShadowPreset);
+        }
         introduction(ui, view, commands);
         pictures(ui, view, commands);
         self.compare(ui, view, commands);
@@ -77,6 +81,19 @@ impl ShadowsPanel {
             commands.push(Command::SetCompareViews(wanted));
         }
     }
+}
+
+/// Whether the panel was just brought to the front over the default scene as it came: then it opens on the preset,
+/// and nothing is lost. A panel that is in front when the program starts is drawn before the scene is there.
+fn is_untouched(view: &AppView) -> bool {
+    let session = view.session;
+    view.scene.is_some()
+        && session.scene.reference == SceneRef::default()
+        && session.camera.is_none()
+        && session.time == 0.0
+        && !view.animating
+        && view.compare.is_none()
+        && !PICTURES.contains(&session.view)
 }
 
 fn introduction(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
