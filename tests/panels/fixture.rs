@@ -137,8 +137,7 @@ impl Program {
     /// With everything that there is to show.
     pub fn full(kind: PanelKind, dark: bool) -> Self {
         let m = measured();
-        let mut session = Session::default();
-        session.view = View::NodesVisited;
+        let mut session = Session { view: View::NodesVisited, ..Session::default() };
         session.overlay.depths = Some([0, 6]);
         session.overlay.budget = 40;
         session.display.threshold = Some(m.histogram.p95);
