@@ -21,7 +21,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// The window of the first start.
 const SIZE: [f32; 2] = [1280.0, 800.0];
 /// High enough for whole panels.
-const HIGH: [f32; 2] = [1280.0, 1500.0];
+const HIGH: [f32; 2] = [1280.0, 2800.0];
 
 fn window(scene: &str, size: [f32; 2]) -> Window {
     let mut session = Session::default();
