@@ -685,12 +685,18 @@ mod films {
     }
 
     #[test]
-    fn a_frame_takes_longer_than_its_rays_alone() {
+    fn a_frame_is_timed_on_the_threads_of_the_pool_and_can_be_cancelled() {
         let world = builtin("cornell");
-        let times = time_frame(&world, &world.scene.camera, &settings([160, 100], 6), &Task::new())
-            .expect("nobody cancels");
+        let (camera, settings) = (&world.scene.camera, settings([160, 100], 6));
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("a pool");
+        let times =
+            pool.install(|| time_frame(&world, camera, &settings, &Task::new())).expect("nobody cancels");
         assert!(times.traversal_ms > 0.0 && times.frames_per_s > 0.0);
-        assert_eq!(times.threads, rayon::current_num_threads());
+        assert_eq!(times.threads, 3);
+        let task = Task::new();
+        task.cancel();
+        assert_eq!(time_frame(&world, camera, &settings, &task), Err(Cancelled));
+        assert_eq!(count_rays(&world, camera, &settings, CountKind::All, 1, &task), Err(Cancelled));
     }
 
     #[test]

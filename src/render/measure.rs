@@ -232,7 +232,31 @@ fn median(mut times: [f64; REPEATS]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::accel::BuildConfig;
+    use crate::scene::builtin;
+
+    #[test]
+    fn the_rays_that_are_timed_are_the_rays_that_are_counted() {
+        let scene = Arc::new(builtin::make("bunny").expect("a built-in scene"));
+        let task = Task::new();
+        let world = World::build(scene, &BuildConfig::default(), &task).expect("nobody cancels");
+        let settings = RenderSettings { width: 30, height: 20, ..RenderSettings::default() };
+        let camera = world.scene.camera;
+        let pass = frame_pass(&world, &camera, &settings);
+        let rows = record(&pass, 30, 0..20, &task).expect("nobody cancels");
+        for (count, kept) in [(CountKind::All, [true, true]), (CountKind::Shadow, [true, false])] {
+            let figures = count_rays(&world, &camera, &settings, count, 1, &task).expect("nobody cancels");
+            let recorded = rows.iter().flatten().filter(|ray| kept[usize::from(!ray.shadow)]).count();
+            assert_eq!(recorded as u64, figures.ray_count, "{count:?}");
+        }
+        // The room is closed, so every ray but those to the light hits.
+        let others = rows.iter().flatten().filter(|ray| !ray.shadow).count() as u64;
+        let hits = trace(&pass, &rows, &task).expect("nobody cancels");
+        assert!(hits > others && hits < rows.iter().flatten().count() as u64, "{hits} hits, {others} others");
+    }
 
     #[test]
     fn every_stride_th_pixel_and_never_none() {
