@@ -201,7 +201,12 @@ fn suggestion(session: &Session, target: SaveTarget) -> String {
 
 fn copy_command(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
     widgets::term_section(ui, Term::CommandLine);
-    let line = command_line(view.session, &suggestion(view.session, SaveTarget::Picture));
+    let mut session = view.session.clone();
+    if session.view.refines(session.count) {
+        // Without end in the window; the command makes the picture as it is now.
+        session.render.spp.get_or_insert(view.render.samples.max(1));
+    }
+    let line = command_line(&session, &suggestion(view.session, SaveTarget::Picture));
     let text = RichText::new(&line).font(FontId::monospace(11.0));
     ui.add(Label::new(text).wrap().selectable(true));
     if ui.button("Copy command").on_hover_text(Term::CommandLine.text()).clicked() {
