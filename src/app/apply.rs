@@ -17,7 +17,7 @@ use super::theme::Palette;
 use crate::export::session_file;
 use crate::render::View;
 use crate::scene::{Camera, SceneRef, UpAxis};
-use crate::session::Session;
+use crate::session::{Session, SessionScene};
 
 /// Sees the glass cuboid of the default scene and all of its shadow, in a picture of any shape.
 const FALSE_SHADOW: Camera = Camera {
@@ -164,18 +164,16 @@ impl Target<'_> {
 
     /// The false shadow: the glass of the default scene over its glossy floor, the two answers held against each other.
     fn shadow_preset(&mut self) {
-        let bunny = SceneRef::default();
-        if self.state.session.scene.reference != bunny {
-            self.open(Source::Scene(bunny));
-        }
-        self.state.animating = false;
         self.state.compare = None;
-        self.edit(Box::new(|session| {
-            session.view = View::ShadowDifference;
-            session.up = UpAxis::Y;
-            session.camera = Some(FALSE_SHADOW);
-            session.time = 0.0;
-        }));
+        if self.state.session.scene.reference == SceneRef::default() {
+            self.state.animating = false;
+            self.edit(Box::new(show_false_shadow));
+        } else {
+            let mut session = self.state.session.clone();
+            session.scene = SessionScene::default();
+            show_false_shadow(&mut session);
+            self.open(Source::Session(Box::new(session)));
+        }
     }
 
     fn cancel_build(&mut self) {
@@ -201,4 +199,12 @@ impl Target<'_> {
 /// The path with an extension if it has none.
 fn with_extension(path: PathBuf, extension: &str) -> PathBuf {
     if path.extension().is_none() { path.with_extension(extension) } else { path }
+}
+
+/// Settings of the default scene under which its false shadow is seen.
+fn show_false_shadow(session: &mut Session) {
+    session.view = View::ShadowDifference;
+    session.up = UpAxis::Y;
+    session.camera = Some(FALSE_SHADOW);
+    session.time = 0.0;
 }

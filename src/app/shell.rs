@@ -87,7 +87,7 @@ impl App {
         for warning in app.options.warnings.clone() {
             app.state.messages.error(warning);
         }
-        stages::load::open(&mut app.jobs, &app.state, Source::Session);
+        stages::load::open(&mut app.jobs, &app.state, Source::Current);
         app
     }
 

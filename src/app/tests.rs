@@ -300,6 +300,20 @@ fn two_views_are_shown_side_by_side_and_as_a_wipe() {
 }
 
 #[test]
+fn the_false_shadow_is_shown_from_any_scene() {
+    let mut harness = start(cornell());
+    push(&mut harness, Command::ShadowPreset);
+    let state = harness.state().state();
+    assert!(errors(&harness).is_empty(), "{:?}", errors(&harness));
+    assert_eq!(state.session.scene.reference, SceneRef::default());
+    assert_eq!(state.session.view, View::ShadowDifference);
+    let film = Arc::clone(&state.picture(0).expect("a picture").frame.film);
+    let counts = crate::inspect::shadow_difference::ClassCounts::of(&film).expect("classes");
+    let share = counts.0[3] as f64 / counts.0.iter().sum::<u64>() as f64;
+    assert!(share > 0.02, "the false shadow covers {share:.3} of the picture");
+}
+
+#[test]
 fn a_moving_scene_gets_a_tree_for_each_moment() {
     let mut session = cornell();
     session.scene.reference = SceneRef::Builtin("room".to_owned());

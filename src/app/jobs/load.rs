@@ -21,8 +21,10 @@ pub enum Source {
     Scene(SceneRef),
     /// A session's file, or a PNG that carries one.
     SessionFile(PathBuf),
-    /// A session as it is: the one that the program was started with.
-    Session,
+    /// The scene of the session of now; the one that the program was started with.
+    Current,
+    /// A session with another scene, as a whole.
+    Session(Box<Session>),
 }
 
 #[derive(Clone)]
@@ -73,7 +75,8 @@ impl LoadRequest {
             Source::SessionFile(path) => {
                 path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into())
             }
-            Source::Session => short_name(&self.session.scene.reference),
+            Source::Current => short_name(&self.session.scene.reference),
+            Source::Session(session) => short_name(&session.scene.reference),
         };
         if self.building.load(Ordering::Relaxed) {
             format!("building the tree of {name}")
@@ -130,6 +133,7 @@ fn wanted_session(request: &LoadRequest) -> Result<Session, String> {
             Ok(session)
         }
         Source::SessionFile(path) => session_file::open(path).map_err(|error| error.to_string()),
-        Source::Session => Ok(request.session.clone()),
+        Source::Current => Ok(request.session.clone()),
+        Source::Session(session) => Ok(Session::clone(session)),
     }
 }

@@ -65,6 +65,10 @@ fn adopt_session(state: &mut State, source: &Source, opened: Session) {
             state.animating = false;
             state.session = opened;
         }
+        Source::Session(_) => {
+            state.animating = false;
+            state.session = opened;
+        }
         Source::Scene(_) => {
             state.animating = false;
             let session = &mut state.session;
@@ -76,6 +80,6 @@ fn adopt_session(state: &mut State, source: &Source, opened: Session) {
             session.display.range = opened.display.range;
             session.display.threshold = opened.display.threshold;
         }
-        Source::Session => state.session.scene = opened.scene,
+        Source::Current => state.session.scene = opened.scene,
     }
 }
