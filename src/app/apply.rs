@@ -6,17 +6,17 @@ use std::time::Instant;
 use glam::Vec3;
 
 use super::commands::{Command, ExportRequest};
-use super::jobs::dialog::DialogAnswer;
+use super::jobs::dialog::{DialogAnswer, Purpose};
 use super::jobs::load::Source;
 use super::layout::Layout;
-use super::panels::Panels;
+use super::panels::{PanelKind, Panels};
 use super::stages::{self, Jobs};
 use super::state::State;
 use super::theme;
 use super::theme::Palette;
 use crate::export::session_file;
 use crate::render::View;
-use crate::scene::{Camera, SceneRef, UpAxis};
+use crate::scene::{Camera, SceneRef, ShadowRule, UpAxis};
 use crate::session::{Session, SessionScene};
 
 /// Sees the glass cuboid of the default scene and all of its shadow, in a picture of any shape.
@@ -43,19 +43,19 @@ impl Target<'_> {
             Command::HoldRange(held) => self.hold_range(held),
             Command::OpenScene(scene) => self.open(Source::Scene(scene)),
             Command::OpenSession(path) => self.open(Source::SessionFile(path)),
-            Command::SaveSession(path) => {
-                self.changed();
-                stages::export::save_session(self.jobs, self.state, with_extension(path, "ron"));
-            }
+            Command::SaveSession(path) => self.save_session(path),
             Command::AskOpen => self.jobs.dialogs.ask_open(&self.jobs.context),
             Command::AskSavePath { target, suggested } => {
                 self.jobs.dialogs.ask_save(&self.jobs.context, target, &suggested);
+            }
+            Command::AskSaveSession { suggested } => {
+                self.jobs.dialogs.ask_save_session(&self.jobs.context, &suggested);
             }
             Command::SetAnimating(animating) => self.set_animating(animating),
             Command::CancelLoad => self.jobs.load.cancel(),
             Command::CancelBuild => self.cancel_build(),
             Command::FrameScene => self.frame_scene(),
-            Command::ResetCamera => self.edit(Box::new(|session| session.camera = None)),
+            Command::ResetCamera => self.reset_camera(),
             Command::SetPaused(paused) => self.state.paused = paused,
             Command::MeasureTable => self.jobs.memo.table.wanted = true,
             Command::CancelTable => stages::table::cancel(self.jobs, self.state),
@@ -95,12 +95,29 @@ impl Target<'_> {
                     let path = with_extension(path, target.extensions()[0]);
                     self.panels.path_chosen(target, path);
                 }
-                DialogAnswer::Unavailable => self.state.messages.error(
-                    "The system has no file dialog to show (an XDG desktop portal or zenity is needed). Type the path \
-                     into the Scene or Export panel instead, or drop the file on the window.",
-                ),
+                DialogAnswer::SaveSession(path) => self.save_session(path),
+                DialogAnswer::Unavailable(purpose) => self.go_without_dialog(purpose),
             }
         }
+    }
+
+    /// There are fields for paths, too.
+    fn go_without_dialog(&mut self, purpose: Purpose) {
+        let (panel, what) = match purpose {
+            Purpose::Open => {
+                (PanelKind::Scene, "Type the path into the Scene panel, or drop the file on the window.")
+            }
+            Purpose::Save => (PanelKind::Export, "Type the path into the Export panel."),
+        };
+        self.layout.show(panel, true);
+        self.state.messages.error(format!(
+            "The system has no file dialog to show: it needs an XDG desktop portal, or zenity. {what}"
+        ));
+    }
+
+    fn save_session(&mut self, path: PathBuf) {
+        self.changed();
+        stages::export::save_session(self.jobs, self.state, with_extension(path, "ron"));
     }
 
     fn edit(&mut self, change: Box<dyn FnOnce(&mut Session) + Send>) {
@@ -115,8 +132,9 @@ impl Target<'_> {
             self.state.session = before;
             return;
         }
-        if self.state.session.up != before.up {
-            self.reframe_for_up();
+        // A camera that the user has placed only tilts.
+        if self.state.session.up != before.up && before.camera.is_none() {
+            self.state.session.camera = self.own_camera();
         }
         if self.state.camera() != camera {
             self.state.camera_moved = Some(Instant::now());
@@ -128,14 +146,19 @@ impl Target<'_> {
         self.state.last_change = Instant::now();
     }
 
-    /// A model that lay on its side is looked at anew when it is told which axis points up.
-    fn reframe_for_up(&mut self) {
-        if let (Some(document), SceneRef::File(_)) =
-            (&self.state.document, &self.state.session.scene.reference)
-        {
-            let bounds = document.world.tree.bounds();
-            self.state.session.camera = Some(Camera::framing(&bounds, self.state.session.up));
-        }
+    fn reset_camera(&mut self) {
+        let camera = self.own_camera();
+        self.edit(Box::new(move |session| session.camera = camera));
+    }
+
+    /// The camera that the scene came with (`None`), or for a model that was told another axis to point up, one that
+    /// frames it anew.
+    fn own_camera(&self) -> Option<Camera> {
+        let document = self.state.document.as_ref()?;
+        let up = self.state.session.up;
+        let is_file = matches!(self.state.session.scene.reference, SceneRef::File(_));
+        (is_file && document.still.camera.up != up)
+            .then(|| Camera::framing(&document.world.tree.bounds(), up))
     }
 
     fn hold_range(&mut self, held: bool) {
@@ -162,11 +185,11 @@ impl Target<'_> {
         self.edit(Box::new(move |session| session.camera = Some(camera)));
     }
 
-    /// The false shadow: the glass of the default scene over its glossy floor, the two answers held against each other.
+    /// The false shadow: the glass of the default scene on its glossy floor, and where the two answers differ.
     fn shadow_preset(&mut self) {
+        self.state.animating = false;
         self.state.compare = None;
         if self.state.session.scene.reference == SceneRef::default() {
-            self.state.animating = false;
             self.edit(Box::new(show_false_shadow));
         } else {
             let mut session = self.state.session.clone();
@@ -196,15 +219,18 @@ impl Target<'_> {
     }
 }
 
+/// Settings of the default scene that show the false shadow.
+fn show_false_shadow(session: &mut Session) {
+    session.view = View::ShadowDifference;
+    session.shadow_rule = ShadowRule::Glass;
+    session.camera = Some(FALSE_SHADOW);
+    session.up = UpAxis::Y;
+    session.ground = false;
+    session.time = 0.0;
+    session.overlay.depths = None;
+}
+
 /// The path with an extension if it has none.
 fn with_extension(path: PathBuf, extension: &str) -> PathBuf {
     if path.extension().is_none() { path.with_extension(extension) } else { path }
-}
-
-/// Settings of the default scene under which its false shadow is seen.
-fn show_false_shadow(session: &mut Session) {
-    session.view = View::ShadowDifference;
-    session.up = UpAxis::Y;
-    session.camera = Some(FALSE_SHADOW);
-    session.time = 0.0;
 }

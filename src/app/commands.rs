@@ -26,6 +26,10 @@ pub enum Command {
         target: SaveTarget,
         suggested: PathBuf,
     },
+    /// Asks for a path in the same way, and saves the session there.
+    AskSaveSession {
+        suggested: PathBuf,
+    },
     SetAnimating(bool),
     CancelLoad,
     CancelBuild,

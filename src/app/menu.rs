@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use egui::{Button, MenuBar, Ui};
 
-use super::commands::{Command, Commands, SaveTarget};
+use super::commands::{Command, Commands};
 use super::layout::{Layout, Pane};
 use super::panels::PanelKind;
 use super::shortcuts::{key_of, show_view};
@@ -32,7 +32,7 @@ pub fn ui(ui: &mut Ui, view: &AppView, layout: &Layout, help: &mut bool, command
 pub fn ask_save_session(view: &AppView) -> Command {
     let name = crate::app::jobs::load::short_name(&view.session.scene.reference);
     let stem = name.split(['.', ':']).next().unwrap_or("session");
-    Command::AskSavePath { target: SaveTarget::Session, suggested: PathBuf::from(format!("{stem}.ron")) }
+    Command::AskSaveSession { suggested: PathBuf::from(format!("{stem}.ron")) }
 }
 
 fn file(ui: &mut Ui, view: &AppView, commands: &mut Commands) {

@@ -196,7 +196,9 @@ impl App {
                 (render.width, render.height) = (width, height);
             }
             // A divider that is dragged is like a camera that moves.
-            self.state.camera_moved = Some(Instant::now());
+            let now = Instant::now();
+            self.state.camera_moved = Some(now);
+            self.state.last_change = now;
         }
     }
 

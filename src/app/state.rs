@@ -167,6 +167,12 @@ impl State {
         (width > 0 && height > 0).then_some([width, height])
     }
 
+    /// The size that figures are measured at: of the whole viewport, also while two pictures share it.
+    pub fn measured_size(&self) -> Option<[u32; 2]> {
+        let [width, height] = self.viewport;
+        (width > 0 && height > 0).then_some(self.viewport)
+    }
+
     /// How pictures are to be shown now.
     pub fn display(&self) -> DisplaySettings {
         let display = self.session.display;

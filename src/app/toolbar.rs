@@ -9,7 +9,7 @@ use super::view::AppView;
 use crate::render::{CountKind, View, ViewClass};
 
 pub fn ui(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         view_combo(ui, view, commands);
         let counts = view.session.view.class() == ViewClass::Heat && view.session.view != View::ShadowSaving;
         if counts {

@@ -75,4 +75,21 @@ mod tests {
         );
         assert!(bins.contains(&BuildConfig::default().bins));
     }
+
+    #[test]
+    fn a_point_says_what_its_tree_costs() {
+        let scene = Arc::new(crate::scene::builtin::make("soup:400").expect("a built-in scene"));
+        let settings = RenderSettings { width: 64, height: 36, ..RenderSettings::default() };
+        let at = |bins| {
+            let base = BuildConfig { leaf: 3, ..BuildConfig::default() };
+            measure_bins(&scene, &scene.camera, &base, bins, &settings, 4, false, &Task::new())
+                .expect("nobody cancels")
+        };
+        let (two, many, sweep) = (at(Some(2)), at(Some(128)), at(None));
+        let cost = |p: &BinPoint| p.sah_cost.expect("it has an area");
+        assert!(cost(&many) < cost(&two), "more bins find better splits: {two:?} {many:?}");
+        assert!((cost(&many) / cost(&sweep) - 1.0).abs() < 0.1, "{many:?} {sweep:?}");
+        assert_eq!((two.bins, sweep.bins, two.timed_alone), (Some(2), None, false));
+        assert!(two.nodes_visited_mean > many.nodes_visited_mean && many.build_ms > 0.0);
+    }
 }

@@ -116,4 +116,20 @@ mod tests {
         let empty = Film { samples: 0, ..film(View::ShadowDifference, &[1.0]) };
         assert_eq!(ClassCounts::of(&empty), None);
     }
+
+    #[test]
+    fn the_early_out_saves_nodes() {
+        let scene = std::sync::Arc::new(crate::scene::builtin::make("bunny").expect("a built-in scene"));
+        let camera = scene.camera;
+        let world =
+            World::build(scene, &crate::accel::BuildConfig::default(), &Task::new()).expect("nobody cancels");
+        let settings = RenderSettings { width: 96, height: 54, ..RenderSettings::default() };
+        let rule = ShadowRule::default();
+        let mean = |stride| shadow_nodes_mean(&world, &camera, &settings, rule, stride, &Task::new());
+        let [intersect, occluded, filtered] = mean(1).expect("nobody cancels").expect("most pixels ask");
+        assert!(occluded <= filtered && filtered < intersect, "{intersect} {occluded} {filtered}");
+        assert!(occluded > 1.0);
+        let coarse = mean(3).expect("nobody cancels").expect("most pixels ask");
+        assert!((coarse[0] / intersect - 1.0).abs() < 0.2, "{} {intersect}", coarse[0]);
+    }
 }

@@ -56,6 +56,7 @@ pub fn sweep(
 mod tests {
     use super::*;
     use crate::accel::Builder;
+    use crate::render::{CountKind, RenderSettings};
 
     #[test]
     fn the_grid_is_the_product_for_a_builder_with_bins() {
@@ -71,6 +72,28 @@ mod tests {
         let base = BuildConfig { builder: Builder::Sweep, bins: 7, ..BuildConfig::default() };
         let trees = SweepGrid { bins: vec![4, 16], leaf: vec![1, 2] }.trees(&base);
         assert_eq!(trees.iter().map(|(_, c)| (c.leaf, c.bins)).collect::<Vec<_>>(), [(1, 7), (2, 7)]);
+    }
+
+    #[test]
+    fn a_sweep_measures_every_tree_of_its_grid() {
+        let scene = std::sync::Arc::new(crate::scene::builtin::make("soup:200").expect("a built-in scene"));
+        let settings = RenderSettings { width: 16, height: 9, ..RenderSettings::default() };
+        let measurement = Measurement {
+            scene: &scene,
+            camera: &scene.camera,
+            settings: &settings,
+            count: CountKind::Camera,
+            timed: false,
+            builds: 1,
+        };
+        let grid = SweepGrid { bins: vec![4, 32], leaf: vec![1, 8] };
+        let mut rows = 0;
+        let all = sweep(&measurement, &BuildConfig::default(), &grid, &Task::new(), &mut |_| rows += 1);
+        let all = all.expect("nobody cancels");
+        assert_eq!((all.len(), rows), (4, 4));
+        assert!(all.iter().all(|row| row.times.is_none() && row.rays.ray_count == 16 * 9));
+        assert!(all[0].figures.leaf_count > all[2].figures.leaf_count, "larger leaves are fewer");
+        assert_eq!((all[1].config.bins, all[1].config.leaf), (32, 1));
     }
 
     #[test]

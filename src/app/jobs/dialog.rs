@@ -18,8 +18,16 @@ pub const MODEL_EXTENSIONS: [&str; 5] = ["obj", "ply", "stl", "gltf", "glb"];
 pub enum DialogAnswer {
     Open(PathBuf),
     Save(SaveTarget, PathBuf),
+    SaveSession(PathBuf),
     /// The system showed none.
-    Unavailable,
+    Unavailable(Purpose),
+}
+
+/// What a dialog was for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    Open,
+    Save,
 }
 
 /// At most one dialog at a time.
@@ -39,7 +47,7 @@ impl Default for Dialogs {
 impl Dialogs {
     /// Asks for a model or a session to open.
     pub fn ask_open(&mut self, context: &Context) {
-        self.show(context, || {
+        self.show(context, Purpose::Open, || {
             let mut all = MODEL_EXTENSIONS.to_vec();
             all.extend(crate::export::session_file::EXTENSIONS);
             let dialog = rfd::FileDialog::new()
@@ -54,20 +62,16 @@ impl Dialogs {
 
     /// Asks where to write a file.
     pub fn ask_save(&mut self, context: &Context, target: SaveTarget, suggested: &Path) {
-        let suggested = suggested.to_owned();
-        self.show(context, move || {
-            let mut dialog = rfd::FileDialog::new().set_title(format!("Save {}", target.name()));
-            for extension in target.extensions() {
-                dialog = dialog.add_filter(extension.to_uppercase(), &[extension]);
-            }
-            if let Some(name) = suggested.file_name() {
-                dialog = dialog.set_file_name(name.to_string_lossy());
-            }
-            if let Some(folder) = suggested.parent().filter(|f| !f.as_os_str().is_empty()) {
-                dialog = dialog.set_directory(folder);
-            }
+        let dialog = save_dialog(target, suggested);
+        self.show(context, Purpose::Save, move || {
             dialog.save_file().map(|path| DialogAnswer::Save(target, path))
         });
+    }
+
+    /// Asks where to save the session.
+    pub fn ask_save_session(&mut self, context: &Context, suggested: &Path) {
+        let dialog = save_dialog(SaveTarget::Session, suggested);
+        self.show(context, Purpose::Save, move || dialog.save_file().map(DialogAnswer::SaveSession));
     }
 
     /// The answers since the last call.
@@ -80,7 +84,12 @@ impl Dialogs {
         answers
     }
 
-    fn show(&mut self, context: &Context, ask: impl FnOnce() -> Option<DialogAnswer> + Send + 'static) {
+    fn show(
+        &mut self,
+        context: &Context,
+        purpose: Purpose,
+        ask: impl FnOnce() -> Option<DialogAnswer> + Send + 'static,
+    ) {
         if self.is_open {
             return;
         }
@@ -90,11 +99,25 @@ impl Dialogs {
             let start = Instant::now();
             let mut answer = ask();
             if answer.is_none() && start.elapsed() < NEVER_OPENED {
-                answer = Some(DialogAnswer::Unavailable);
+                answer = Some(DialogAnswer::Unavailable(purpose));
             }
             // The window may be gone; then nobody wants the answer.
             let _ = sender.send(answer);
             context.wake();
         });
     }
+}
+
+fn save_dialog(target: SaveTarget, suggested: &Path) -> rfd::FileDialog {
+    let mut dialog = rfd::FileDialog::new().set_title(format!("Save {}", target.name()));
+    for extension in target.extensions() {
+        dialog = dialog.add_filter(extension.to_uppercase(), &[extension]);
+    }
+    if let Some(name) = suggested.file_name() {
+        dialog = dialog.set_file_name(name.to_string_lossy());
+    }
+    if let Some(folder) = suggested.parent().filter(|f| !f.as_os_str().is_empty()) {
+        dialog = dialog.set_directory(folder);
+    }
+    dialog
 }

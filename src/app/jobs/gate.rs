@@ -38,6 +38,8 @@ pub struct Pass {
 #[derive(Debug)]
 pub struct Lease {
     gate: Gate,
+    /// Not yet, while it waits for others to leave.
+    held: bool,
 }
 
 /// What a lease does to a job that is inside.
@@ -76,7 +78,7 @@ impl Gate {
         let mut state = self.lock();
         state.leases += 1;
         // From here on the drop of `lease` takes the request back, also when it never was held.
-        let lease = Lease { gate: self.clone() };
+        let mut lease = Lease { gate: self.clone(), held: false };
         for stoppable in state.inside.iter().filter_map(|(_, task)| task.as_ref()) {
             stoppable.cancel();
         }
@@ -89,6 +91,7 @@ impl Gate {
             state = self.wait(state);
         }
         state.held = true;
+        lease.held = true;
         Ok(lease)
     }
 
@@ -123,7 +126,9 @@ impl Drop for Lease {
     fn drop(&mut self) {
         let mut state = self.gate.lock();
         state.leases -= 1;
-        state.held = false;
+        if self.held {
+            state.held = false;
+        }
         drop(state);
         self.gate.shared.changed.notify_all();
     }
@@ -176,6 +181,19 @@ mod tests {
         assert_eq!(waiting.join().expect("no panic"), Err(Cancelled));
         drop(lease);
         assert!(gate.enter(&Task::new(), OnLease::Stop).is_ok());
+    }
+
+    #[test]
+    fn a_lease_that_was_given_up_before_it_was_held_does_not_end_another() {
+        let gate = Gate::default();
+        let first = gate.lease(&Task::new()).expect("free");
+        let impatient = Task::new();
+        impatient.cancel();
+        assert_eq!(gate.lease(&impatient).map(drop), Err(Cancelled));
+        assert_eq!(gate.lease(&impatient).map(drop), Err(Cancelled), "the first one is still held");
+        assert!(gate.is_leased());
+        drop(first);
+        assert!(!gate.is_leased() && gate.lease(&Task::new()).is_ok());
     }
 
     #[test]

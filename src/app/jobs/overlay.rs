@@ -1,7 +1,7 @@
 //! Drawing the boxes over the picture. The distances that hide them are kept while the camera rests.
 
 use std::sync::{Arc, Mutex};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use egui::ColorImage;
 
@@ -16,6 +16,9 @@ use crate::world::World;
 
 /// While the camera moves, boxes are drawn coarser if they would take longer than this.
 const MOVING_MS: f64 = 30.0;
+
+/// Boxes that take longer give way to those of a newer camera; those that take less are shown, if late.
+const PATIENCE: Duration = Duration::from_secs(1);
 
 /// The coarsest boxes, in pixels of the picture.
 const COARSEST: u32 = 4;
@@ -43,7 +46,7 @@ type DepthCache = Mutex<Option<(DepthKey, Arc<Vec<f32>>)>>;
 
 pub fn job() -> OverlayJob {
     let cache: DepthCache = Mutex::new(None);
-    Job::new(Patience::Within(super::build::PATIENCE), PoolKind::Draw, move |run| {
+    Job::new(Patience::Within(PATIENCE), PoolKind::Draw, move |run| {
         // A cancelled overlay says nothing; the next one is on its way.
         if let Ok(done) = draw(run, &cache) {
             run.emit(done);

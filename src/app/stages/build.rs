@@ -50,7 +50,7 @@ pub fn start(jobs: &mut Jobs, state: &State) {
     }
     let staged = (document.tree.scene == scene).then(|| Arc::clone(&document.world.scene));
     let [width, height] =
-        state.picture_size().unwrap_or([state.session.render.width, state.session.render.height]);
+        state.measured_size().unwrap_or([state.session.render.width, state.session.render.height]);
     let request = BuildRequest {
         key,
         still: Arc::clone(&document.still),

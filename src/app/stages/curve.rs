@@ -123,7 +123,7 @@ fn stop(jobs: &mut Jobs) {
 }
 
 fn wanted_key(state: &State) -> Option<CurveKey> {
-    let [width, height] = state.picture_size()?;
+    let [width, height] = state.measured_size()?;
     let settings = crate::render::RenderSettings { width, height, ..state.session.render };
     Some(CurveKey::new(state.wanted_scene()?, &state.camera()?, &settings, state.session.build()))
 }

@@ -16,7 +16,7 @@ pub fn receive(jobs: &mut Jobs, state: &mut State) {
 
 pub fn start(jobs: &mut Jobs, state: &State, now: &Now) {
     let (Some(document), Some(camera), Some([width, height])) =
-        (&state.document, state.camera(), state.picture_size())
+        (&state.document, state.camera(), state.measured_size())
     else {
         return;
     };

@@ -26,7 +26,7 @@ pub fn start(jobs: &mut Jobs, state: &mut State, now: &Now) {
         return;
     }
     let (Some(document), Some(camera), Some([width, height])) =
-        (&state.document, state.camera(), state.picture_size())
+        (&state.document, state.camera(), state.measured_size())
     else {
         return;
     };

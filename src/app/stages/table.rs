@@ -96,7 +96,7 @@ fn wanted_key(state: &State) -> Option<TableKey> {
 /// The table is measured at the size of the viewport.
 fn sized(state: &State) -> crate::render::RenderSettings {
     let mut settings = state.session.render;
-    if let Some([width, height]) = state.picture_size() {
+    if let Some([width, height]) = state.measured_size() {
         (settings.width, settings.height) = (width, height);
     }
     settings

@@ -61,11 +61,12 @@ impl Viewport {
         self.paint_pictures(ui, &areas, state);
         let hover = self.hover(&response, &areas, state);
         paint_labels(ui, &areas, state, self.wipe.0);
-        readout::paint(ui, rect, state, hover.as_ref());
+        let shown = hover.as_ref().map(|(slot, hover)| (hover, state.subjects()[*slot].view));
+        readout::paint(ui, rect, state, shown);
         if state.document.is_none() {
             paint_welcome(ui, rect, state);
         }
-        ViewportOutput { size: areas.pixels, hover }
+        ViewportOutput { size: areas.pixels, hover: hover.map(|(_, hover)| hover) }
     }
 
     fn paint_pictures(&self, ui: &Ui, areas: &Areas, state: &State) {
@@ -100,7 +101,8 @@ impl Viewport {
         response.dragged()
     }
 
-    fn hover(&self, response: &Response, areas: &Areas, state: &State) -> Option<Hover> {
+    /// What is under the mouse, and in which of the pictures.
+    fn hover(&self, response: &Response, areas: &Areas, state: &State) -> Option<(usize, Hover)> {
         let at = response.hover_pos().filter(|_| !response.dragged())?;
         let slot = if state.compare.is_some_and(|c| c.style == CompareStyle::Wipe) {
             usize::from(at.x > areas.wipe_x(self.wipe.0))
@@ -112,7 +114,7 @@ impl Viewport {
         let area = areas.slot(slot)?;
         let share = (at - area.min) / area.size();
         let pixel = |share: f32, size: u32| ((share * size as f32).max(0.0) as u32).min(size - 1);
-        Some(readout::hover(state, slot, pixel(share.x, width), pixel(share.y, height)))
+        Some((slot, readout::hover(state, slot, pixel(share.x, width), pixel(share.y, height))))
     }
 }
 

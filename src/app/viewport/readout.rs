@@ -24,19 +24,23 @@ pub fn hover(state: &State, slot: usize, x: u32, y: u32) -> Hover {
     Hover { x, y, value, shape: hit.map(|h| h.shape), distance: hit.map(|h| h.t) }
 }
 
-/// Paints the words.
-pub fn paint(ui: &Ui, rect: Rect, state: &State, hover: Option<&Hover>) {
+/// Paints the words. `hover`: with the view of the picture that it is over.
+pub fn paint(ui: &Ui, rect: Rect, state: &State, hover: Option<(&Hover, View)>) {
     if state.document.is_none() {
         return;
     }
     let margin = vec2(8.0, 8.0);
-    if let Some(hover) = hover {
+    if let Some((hover, view)) = hover {
         let at = rect.left_bottom() + vec2(margin.x, -margin.y);
-        boxed_text(ui, Align2::LEFT_BOTTOM, at, &words(state, hover), FontId::monospace(11.5));
+        boxed_text(ui, Align2::LEFT_BOTTOM, at, &words(state, hover, view), FontId::monospace(11.5));
     }
     if let Some(text) = state.boxes.as_ref().and_then(|b| left_out(&b.overlay)) {
-        let at = rect.right_top() + vec2(-margin.x, margin.y);
-        boxed_text(ui, Align2::RIGHT_TOP, at, &text, FontId::proportional(11.5));
+        // Two pictures have their names in the corners.
+        let (anchor, at) = match state.compare {
+            None => (Align2::RIGHT_TOP, rect.right_top() + vec2(-margin.x, margin.y)),
+            Some(_) => (Align2::CENTER_TOP, rect.center_top() + vec2(0.0, margin.y + 26.0)),
+        };
+        boxed_text(ui, anchor, at, &text, FontId::proportional(11.5));
     }
 }
 
@@ -49,7 +53,7 @@ pub fn boxed_text(ui: &Ui, anchor: Align2, at: Pos2, text: &str, font: FontId) {
     ui.painter().galley(rect.min + vec2(6.0, 3.0), galley, Color32::WHITE);
 }
 
-fn words(state: &State, hover: &Hover) -> String {
+fn words(state: &State, hover: &Hover, view: View) -> String {
     let mut words = format!("{:>4}, {:<4}", hover.x, hover.y);
     match (hover.shape, &state.document) {
         (Some(shape), Some(document)) => {
@@ -71,7 +75,7 @@ fn words(state: &State, hover: &Hover) -> String {
         words += &format!("  {distance:.4} away");
     }
     if let Some(value) = hover.value {
-        words += &format!("  {}", value_words(state.session.view, value));
+        words += &format!("  {}", value_words(view, value));
     }
     words
 }

@@ -76,6 +76,8 @@ struct RunningStep {
     key: FilmKey,
     /// Nothing of this key is shown yet.
     first_look: bool,
+    /// There are samples of this key at full size already.
+    refines: bool,
     task: Task,
 }
 
@@ -162,7 +164,7 @@ impl Shared {
 
 /// Whether the running step is still wanted under a new request.
 fn worth_finishing(running: &RunningStep, request: &RenderRequest) -> bool {
-    if request.pace == Pace::Paused {
+    if running.refines && request.pace == Pace::Paused {
         return false;
     }
     if running.first_look {

@@ -40,14 +40,12 @@ pub enum Pace {
     Moving,
     /// Full size at once; for tests, which want the same steps on every machine.
     Direct,
+    /// One sample is all.
     Paused,
 }
 
 /// Decides the next step. A picture without any look goes first; then the one with the fewest samples.
 pub fn next_step(slots: &[SlotProgress], pace: Pace) -> Step {
-    if pace == Pace::Paused {
-        return Step::Rest;
-    }
     if pace != Pace::Direct
         && let Some((slot, scale)) = first_look(slots)
     {
@@ -56,7 +54,10 @@ pub fn next_step(slots: &[SlotProgress], pace: Pace) -> Step {
     if pace == Pace::Moving {
         return Step::Rest;
     }
-    let open = slots.iter().enumerate().filter(|(_, s)| s.goal.is_none_or(|goal| s.samples < goal));
+    // A pause ends the refining; what nobody has seen yet is shown all the same.
+    let pause = (pace == Pace::Paused).then_some(1);
+    let goal = |s: &SlotProgress| pause.or(s.goal);
+    let open = slots.iter().enumerate().filter(|(_, s)| goal(s).is_none_or(|goal| s.samples < goal));
     let Some((slot, progress)) = open.min_by_key(|(_, s)| s.samples) else {
         return Step::Rest;
     };
@@ -142,7 +143,8 @@ mod tests {
         let done = SlotProgress { goal: Some(4), ..slot(4, None, None) };
         assert_eq!(next_step(&[done], Pace::Refine), Step::Rest);
         assert_eq!(next_step(&[done, slot(9, None, None)], Pace::Refine), Step::Full { slot: 1 });
-        assert_eq!(next_step(&[slot(0, None, None)], Pace::Paused), Step::Rest);
+        assert_eq!(next_step(&[slot(1, None, None)], Pace::Paused), Step::Rest);
+        assert_eq!(next_step(&[slot(0, Some(2), None)], Pace::Paused), Step::Full { slot: 0 });
         assert_eq!(next_step(&[slot(0, None, None)], Pace::Direct), Step::Full { slot: 0 });
         assert_eq!(next_step(&[], Pace::Refine), Step::Rest);
     }

@@ -90,13 +90,15 @@ fn two_pictures_are_refined_side_by_side() {
 }
 
 #[test]
-fn a_pause_stops_and_goes_on() {
+fn a_pause_shows_what_is_new_once_and_then_goes_on() {
     let stage = Stage::new();
     let renderer = Renderer::start(&Context::for_tests());
-    renderer.request(RenderRequest { pace: Pace::Paused, ..stage.request(&[View::Path], 2) });
+    renderer.request(RenderRequest { pace: Pace::Paused, ..stage.request(&[View::Path], 3) });
+    assert_eq!(settle(&renderer)[0].film.samples, 1);
+    renderer.request(stage.request(&[View::Path], 3));
+    assert_eq!(settle(&renderer)[0].film.samples, 3);
+    renderer.request(RenderRequest { pace: Pace::Paused, ..stage.request(&[View::Path], 9) });
     assert!(settle(&renderer).is_empty());
-    renderer.request(stage.request(&[View::Path], 2));
-    assert_eq!(settle(&renderer)[0].film.samples, 2);
 }
 
 #[test]
@@ -125,15 +127,17 @@ fn a_lease_stops_the_samples_until_it_is_given_back() {
 fn a_first_look_outlives_a_camera_move_but_not_another_view() {
     let stage = Stage::new();
     let key = stage.key(View::Path);
-    let running = |first_look| RunningStep { key, first_look, task: Task::new() };
+    let running = |first_look, refines| RunningStep { key, first_look, refines, task: Task::new() };
+    let (first, second, later) = (running(true, false), running(false, false), running(false, true));
     let moved = RenderRequest {
         pictures: vec![FilmKey { camera: Camera { fov_y_degrees: 10.0, ..stage.camera }, ..key }],
         ..stage.request(&[View::Path], 1)
     };
-    assert!(worth_finishing(&running(true), &moved));
-    assert!(!worth_finishing(&running(false), &moved));
-    assert!(worth_finishing(&running(false), &stage.request(&[View::Path], 1)));
-    assert!(!worth_finishing(&running(true), &stage.request(&[View::Depth], 1)));
+    assert!(worth_finishing(&first, &moved));
+    assert!(!worth_finishing(&second, &moved) && !worth_finishing(&later, &moved));
+    assert!(worth_finishing(&later, &stage.request(&[View::Path], 1)));
+    assert!(!worth_finishing(&first, &stage.request(&[View::Depth], 1)));
     let paused = RenderRequest { pace: Pace::Paused, ..stage.request(&[View::Path], 1) };
-    assert!(!worth_finishing(&running(true), &paused));
+    assert!(!worth_finishing(&later, &paused));
+    assert!(worth_finishing(&second, &paused), "a pause shows one whole sample");
 }

@@ -135,7 +135,8 @@ impl Worker {
         let task = Task::new();
         let key = self.slots[slot].key;
         let first_look = self.slots[slot].shown_at.is_none();
-        if !self.begin(request, RunningStep { key, first_look, task: task.clone() }) {
+        let refines = scale == 1 && self.store.samples(&key) > 0;
+        if !self.begin(request, RunningStep { key, first_look, refines, task: task.clone() }) {
             return true;
         }
         let pool = self.context.pools().get(PoolKind::Render);
