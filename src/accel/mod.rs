@@ -4,6 +4,7 @@
 pub mod build;
 pub mod config;
 pub mod quality;
+pub mod simd;
 pub mod traverse;
 pub mod tree;
 pub mod validate;

@@ -1,5 +1,7 @@
 //! The trees: [`Bvh2`] as builders make it, [`WideBvh`] as rays walk it, and [`Tree`], any width behind one face.
 
+use glam::Vec3;
+
 use crate::geometry::Aabb;
 
 use super::config::Width;
@@ -68,11 +70,10 @@ impl ChildRef {
 /// An inner node with up to `N` children, boxes as structure of arrays. Filled slots come first; an empty slot has the
 /// box [`Aabb::EMPTY`], which no ray hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub struct WideNode<const N: usize> {
-    /// `child_min[axis][slot]`.
-    pub child_min: [[f32; N]; 3],
-    pub child_max: [[f32; N]; 3],
+    /// `sides[axis][slot]` of the minima, `sides[3 + axis][slot]` of the maxima.
+    pub sides: [[f32; N]; 6],
     pub children: [ChildRef; N],
 }
 
@@ -100,21 +101,23 @@ pub struct WideBvh<const N: usize> {
 impl<const N: usize> WideNode<N> {
     /// A node without children.
     pub const EMPTY: Self = Self {
-        child_min: [[f32::INFINITY; N]; 3],
-        child_max: [[f32::NEG_INFINITY; N]; 3],
+        sides: {
+            let (min, max) = ([f32::INFINITY; N], [f32::NEG_INFINITY; N]);
+            [min, min, min, max, max, max]
+        },
         children: [ChildRef::EMPTY; N],
     };
 
     pub fn set_bounds(&mut self, slot: usize, bounds: &Aabb) {
         for axis in 0..3 {
-            self.child_min[axis][slot] = bounds.min[axis];
-            self.child_max[axis][slot] = bounds.max[axis];
+            self.sides[axis][slot] = bounds.min[axis];
+            self.sides[3 + axis][slot] = bounds.max[axis];
         }
     }
 
     pub fn child_bounds(&self, slot: usize) -> Aabb {
-        let corner = |of: &[[f32; N]; 3]| glam::Vec3::new(of[0][slot], of[1][slot], of[2][slot]);
-        Aabb { min: corner(&self.child_min), max: corner(&self.child_max) }
+        let [min_x, min_y, min_z, max_x, max_y, max_z] = self.sides.map(|side| side[slot]);
+        Aabb { min: Vec3::new(min_x, min_y, min_z), max: Vec3::new(max_x, max_y, max_z) }
     }
 
     /// Children that are there.

@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn each_kind_of_damage_is_named() {
-        let shrunk = broken(|t| t.nodes[0].child_max[0][0] -= 0.5);
+        let shrunk = broken(|t| t.nodes[0].sides[3][0] -= 0.5);
         assert!(matches!(shrunk[..], [Violation::NotContained { .. }, ..]), "{shrunk:?}");
         let grown = broken(|t| t.bounds.max.y += 1.0);
         assert_eq!(grown, [Violation::NotTight { node: NodeId(0) }]);

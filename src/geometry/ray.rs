@@ -70,9 +70,15 @@ pub struct PreparedRay {
     pub inv_direction: Vec3,
     /// Axis indices after the permutation that makes the largest direction component the z axis.
     pub k: [usize; 3],
+    /// The origin in permuted axes.
+    pub origin: [f32; 3],
     /// Shear `(d.x / d.z, d.y / d.z, 1 / d.z)` in permuted axes.
-    pub shear: Vec3,
+    pub shear: [f32; 3],
 }
+
+/// The permutation for each largest axis of a direction that is positive, and negative, there: x and y are swapped to
+/// keep the winding of triangles.
+const PERMUTATIONS: [[usize; 3]; 6] = [[1, 2, 0], [2, 1, 0], [2, 0, 1], [0, 2, 1], [0, 1, 2], [1, 0, 2]];
 
 impl PreparedRay {
     /// An infinite `t_max` becomes the largest finite one: no hit lies further, and a box beside an axis-parallel ray,
@@ -80,21 +86,21 @@ impl PreparedRay {
     #[inline]
     pub fn new(ray: Ray) -> Self {
         let ray = Ray { t_max: ray.t_max.min(f32::MAX), ..ray };
-        let d = ray.direction;
-        let a = d.abs();
-        let kz = if a.x >= a.y && a.x >= a.z {
-            0
-        } else if a.y >= a.z {
-            1
-        } else {
-            2
-        };
-        let (mut kx, mut ky) = ((kz + 1) % 3, (kz + 2) % 3);
-        // Keeps the winding of the triangle under the permutation.
-        if d[kz] < 0.0 {
-            std::mem::swap(&mut kx, &mut ky);
+        let d = ray.direction.to_array();
+        let a = d.map(f32::abs);
+        // Without branches: which axis is the largest is anyone's guess. As x, else y, else z of equally large ones.
+        let is_x = usize::from(a[0] >= a[1] && a[0] >= a[2]);
+        let is_y = usize::from(a[1] >= a[2]);
+        let kz = (1 - is_x) * (2 - is_y);
+        let k = PERMUTATIONS[2 * kz + usize::from(d[kz] < 0.0)];
+        let origin = ray.origin.to_array();
+        let (x, y, z) = (d[k[0]], d[k[1]], d[k[2]]);
+        Self {
+            ray,
+            inv_direction: ray.direction.recip(),
+            k,
+            origin: [origin[k[0]], origin[k[1]], origin[k[2]]],
+            shear: [x / z, y / z, 1.0 / z],
         }
-        let shear = Vec3::new(d[kx] / d[kz], d[ky] / d[kz], 1.0 / d[kz]);
-        Self { ray, inv_direction: d.recip(), k: [kx, ky, kz], shear }
     }
 }

@@ -12,10 +12,6 @@ use glam::Vec3;
 
 use super::{Aabb, PreparedRay};
 
-/// How far the origin is moved, as a share of the largest distance to the boxes along an axis. The triangle test errs
-/// by 6 units of 2^-24, a slab distance by 3; moving the origin loses at most half of the margin to rounding.
-const MARGIN: f32 = 1.0 / (1 << 19) as f32;
-
 /// A ray prepared for testing boxes that lie in a known region.
 ///
 /// For each axis, with `near` the side of the box that the ray enters through (`min` where `inv_direction` is not
@@ -32,13 +28,17 @@ pub struct Slabs {
 }
 
 impl Slabs {
+    /// How far the origin is moved, as a share of the largest distance to the boxes along an axis. The triangle test errs
+    /// by 6 units of 2^-24, a slab distance by 3; moving the origin loses at most half of the margin to rounding.
+    pub const MARGIN: f32 = 1.0 / (1 << 19) as f32;
+
     /// Prepares `ray` for boxes inside `within`.
     #[inline]
     pub fn new(ray: &PreparedRay, within: &Aabb) -> Self {
         let origin = ray.ray.origin;
         let reach = (within.min - origin).abs().max((within.max - origin).abs()).max_element();
         // The second term moves by at least one unit in the last place of the origin.
-        let margin = Vec3::splat(reach * MARGIN) + origin.abs() * f32::EPSILON;
+        let margin = Vec3::splat(reach * Self::MARGIN) + origin.abs() * f32::EPSILON;
         let outwards = margin.copysign(ray.inv_direction);
         Self {
             near_origin: origin + outwards,

@@ -31,10 +31,18 @@ pub(crate) fn shear<T>(corners: [[T; 3]; 3], origin: [T; 3], shear: [T; 2]) -> S
 where
     T: Copy + Sub<Output = T> + Mul<Output = T>,
 {
-    corners.map(|c| {
-        let z = c[2] - origin[2];
-        [(c[0] - origin[0]) - shear[0] * z, (c[1] - origin[1]) - shear[1] * z]
-    })
+    // Not by `map`, whose closure would be compiled without the caller's instructions.
+    let [a, b, c] = corners;
+    [shear_one(a, origin, shear), shear_one(b, origin, shear), shear_one(c, origin, shear)]
+}
+
+#[inline(always)]
+fn shear_one<T>(corner: [T; 3], origin: [T; 3], shear: [T; 2]) -> [T; 2]
+where
+    T: Copy + Sub<Output = T> + Mul<Output = T>,
+{
+    let z = corner[2] - origin[2];
+    [(corner[0] - origin[0]) - shear[0] * z, (corner[1] - origin[1]) - shear[1] * z]
 }
 
 /// Twice the areas that the ray spans with each edge; index i belongs to the edge opposite of corner i. Equal signs
@@ -68,7 +76,8 @@ impl Triangle {
     #[inline]
     pub fn intersect_within(&self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<ShapeHit> {
         let permuted = |p: Vec3| [p[ray.k[0]], p[ray.k[1]], p[ray.k[2]]];
-        let sheared = shear(self.v.map(permuted), permuted(ray.ray.origin), [ray.shear.x, ray.shear.y]);
+        let [x, y, _] = ray.shear;
+        let sheared = shear(self.v.map(permuted), ray.origin, [x, y]);
         let edges = edges(sheared);
         if same_sign(&edges) { self.confirm(ray, &sheared, edges, t_min, t_max) } else { None }
     }

@@ -1,9 +1,10 @@
 //! Four triangles tested at once, lane by lane exactly as [`Triangle::intersect`] does it.
 //!
-//! The lanes are glam's four-float vectors: SIMD registers where the processor has them, with the rounding of single
-//! numbers. The edge test runs on all lanes; the few that pass it are confirmed one by one.
+//! The edge test runs on all lanes. Of the lanes that pass it, those whose distance cannot matter are dropped by an error
+//! bound, and what is left is confirmed one by one in double precision.
 
-use glam::{Vec3, Vec4};
+use fearless_simd::{Simd, f32x4, prelude::*};
+use glam::Vec3;
 
 use crate::geometry::triangle::{Sheared, edges, shear};
 use crate::geometry::{Hit, PreparedRay, ShapeHit, Triangle};
@@ -11,49 +12,68 @@ use crate::geometry::{Hit, PreparedRay, ShapeHit, Triangle};
 /// Triangles in a block.
 pub const LANES: usize = 4;
 
+/// Set in the first shape's index of a leaf's block if the leaf holds more than this block.
+const GOES_ON: u32 = 1 << 31;
+
 /// Up to four triangles as structure of arrays. Lanes without a triangle hold NaN, which no ray hits.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(16))]
+#[repr(C, align(32))]
 pub struct TriangleBlock {
     /// `corners[corner][axis]`.
-    corners: [[Vec4; 3]; 3],
-    /// Index of each lane's shape; [`Hit::NO_SHAPE`] without one.
+    corners: [[[f32; LANES]; 3]; 3],
+    /// Index of each lane's shape; [`Hit::NO_SHAPE`] without one. See [`GOES_ON`].
     shapes: [u32; LANES],
 }
 
 /// What the edge test needs of a ray, spread over the lanes.
 #[derive(Clone, Copy, Debug)]
-pub struct LaneRay<'a> {
+pub struct LaneRay<'a, S: Simd> {
+    simd: S,
     ray: &'a PreparedRay,
-    origin: [Vec4; 3],
-    shear: [Vec4; 2],
+    origin: [f32x4<S>; 3],
+    shear: [f32x4<S>; 2],
 }
 
-impl<'a> LaneRay<'a> {
-    #[inline]
-    pub fn new(ray: &'a PreparedRay) -> Self {
+#[inline(always)]
+fn spread<S: Simd>(simd: S, value: f32) -> f32x4<S> {
+    f32x4::simd_from(simd, value)
+}
+
+impl<'a, S: Simd> LaneRay<'a, S> {
+    #[inline(always)]
+    pub fn new(simd: S, ray: &'a PreparedRay) -> Self {
+        let ([x, y, z], [shear_x, shear_y, _]) = (ray.origin, ray.shear);
         Self {
+            simd,
             ray,
-            origin: ray.k.map(|axis| Vec4::splat(ray.ray.origin[axis])),
-            shear: [Vec4::splat(ray.shear.x), Vec4::splat(ray.shear.y)],
+            origin: [spread(simd, x), spread(simd, y), spread(simd, z)],
+            shear: [spread(simd, shear_x), spread(simd, shear_y)],
         }
+    }
+
+    #[inline(always)]
+    pub fn t_max(&self) -> f32 {
+        self.ray.ray.t_max
     }
 }
 
-/// The lanes whose triangles passed the edge test.
+/// The lanes whose triangles may be hit in an interval.
 #[derive(Clone, Copy, Debug)]
-pub struct Candidates {
-    sheared: Sheared<Vec4>,
-    edges: [Vec4; 3],
+pub struct Candidates<S: Simd> {
+    sheared: Sheared<f32x4<S>>,
+    edges: [f32x4<S>; 3],
     /// Bit i for lane i.
     lanes: u32,
 }
 
 impl TriangleBlock {
-    /// A block of at most [`LANES`] triangles with the indices of their shapes.
-    pub fn new(triangles: &[(u32, Triangle)]) -> Self {
+    pub const EMPTY: Self = Self { corners: [[[f32::NAN; LANES]; 3]; 3], shapes: [Hit::NO_SHAPE; LANES] };
+
+    /// A block of at most [`LANES`] triangles with the indices of their shapes. `goes_on`: it is the first one of a leaf
+    /// that holds more.
+    pub fn new(triangles: &[(u32, Triangle)], goes_on: bool) -> Self {
         assert!(triangles.len() <= LANES, "a block holds {LANES} triangles");
-        let mut block = Self { corners: [[Vec4::NAN; 3]; 3], shapes: [Hit::NO_SHAPE; LANES] };
+        let mut block = Self::EMPTY;
         for (lane, (shape, triangle)) in triangles.iter().enumerate() {
             block.shapes[lane] = *shape;
             for corner in 0..3 {
@@ -62,37 +82,60 @@ impl TriangleBlock {
                 }
             }
         }
+        if goes_on {
+            block.shapes[0] |= GOES_ON;
+        }
         block
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn shape(&self, lane: usize) -> u32 {
-        self.shapes[lane]
+        self.shapes[lane] & !GOES_ON
+    }
+
+    /// Whether the leaf whose first block this is holds more. True for a block without triangles.
+    #[inline(always)]
+    pub fn goes_on(&self) -> bool {
+        self.shapes[0] & GOES_ON != 0
+    }
+
+    /// Triangles in it.
+    #[inline(always)]
+    pub fn count(&self) -> u32 {
+        self.shapes.iter().map(|&shape| u32::from(shape != Hit::NO_SHAPE)).sum()
     }
 
     fn triangle(&self, lane: usize) -> Triangle {
         Triangle { v: self.corners.map(|c| Vec3::new(c[0][lane], c[1][lane], c[2][lane])) }
     }
 
-    /// The edge test on all lanes.
-    #[inline]
-    pub fn candidates(&self, ray: &LaneRay) -> Candidates {
-        let k = ray.ray.k;
-        let sheared = shear(self.corners.map(|c| [c[k[0]], c[k[1]], c[k[2]]]), ray.origin, ray.shear);
+    /// The lanes that pass the edge test and may be hit between the ray's `t_min` and `t_max`.
+    #[inline(always)]
+    pub fn candidates<S: Simd>(&self, ray: &LaneRay<S>, t_max: f32) -> Candidates<S> {
+        let simd = ray.simd;
+        let [a, b, c] = &self.corners;
+        let corners = [load(ray, a), load(ray, b), load(ray, c)];
+        let sheared = shear(corners, ray.origin, ray.shear);
         let edges = edges(sheared);
-        let zero = Vec4::ZERO;
-        let left = edges[0].cmpge(zero) & edges[1].cmpge(zero) & edges[2].cmpge(zero);
-        let right = edges[0].cmple(zero) & edges[1].cmple(zero) & edges[2].cmple(zero);
-        Candidates { sheared, edges, lanes: (left | right).bitmask() }
+        let zero = spread(simd, 0.0);
+        let left = edges[0].simd_ge(zero) & edges[1].simd_ge(zero) & edges[2].simd_ge(zero);
+        let right = edges[0].simd_le(zero) & edges[1].simd_le(zero) & edges[2].simd_le(zero);
+        let mut lanes = (left | right).to_bitmask() as u32;
+        if lanes != 0 {
+            let [a, b, c] = corners;
+            let depths = [a[2] - ray.origin[2], b[2] - ray.origin[2], c[2] - ray.origin[2]];
+            lanes &= !beyond(simd, sheared, edges, depths, ray.ray.shear[2], ray.ray.ray.t_min, t_max);
+        }
+        Candidates { sheared, edges, lanes }
     }
 
-    /// The hit of a lane that passed the edge test.
-    #[inline]
-    pub fn confirm(
+    /// The hit of a lane that is a candidate.
+    #[inline(always)]
+    pub fn confirm<S: Simd>(
         &self,
-        candidates: &Candidates,
+        candidates: &Candidates<S>,
         lane: usize,
-        ray: &LaneRay,
+        ray: &LaneRay<S>,
         t_min: f32,
         t_max: f32,
     ) -> Option<ShapeHit> {
@@ -102,10 +145,62 @@ impl TriangleBlock {
     }
 }
 
-impl Candidates {
-    /// The lanes that passed, ascending.
-    #[inline]
-    pub fn lanes(&self) -> impl Iterator<Item = usize> + use<> {
+/// A corner of every triangle, in the ray's permuted axes.
+#[inline(always)]
+fn load<S: Simd>(ray: &LaneRay<S>, corner: &[[f32; LANES]; 3]) -> [f32x4<S>; 3] {
+    let [x, y, z] = ray.ray.k;
+    let (x, y, z) = (&corner[x], &corner[y], &corner[z]);
+    [
+        f32x4::load_array_ref(ray.simd, x),
+        f32x4::load_array_ref(ray.simd, y),
+        f32x4::load_array_ref(ray.simd, z),
+    ]
+}
+
+/// The largest magnitude in every lane.
+#[inline(always)]
+fn most<S: Simd>([a, b, c]: [f32x4<S>; 3]) -> f32x4<S> {
+    a.abs().max(b.abs()).max(c.abs())
+}
+
+/// The lanes whose hits lie before `t_min` or behind `t_max`, whatever the rounding errors.
+///
+/// The bounds are those of Pharr, Jakob and Humphreys, "Physically Based Rendering", third edition, 3.9.6, to which the
+/// error of the determinant is added, and all of it doubled.
+#[inline(always)]
+fn beyond<S: Simd>(
+    simd: S,
+    sheared: Sheared<f32x4<S>>,
+    edges: [f32x4<S>; 3],
+    depths: [f32x4<S>; 3],
+    inv_depth: f32,
+    t_min: f32,
+    t_max: f32,
+) -> u32 {
+    /// Relative error of `n` operations in a row.
+    const fn gamma(n: i32) -> f32 {
+        let error = n as f32 * 0.5 * f32::EPSILON;
+        error / (1.0 - error)
+    }
+    let [[ax, ay], [bx, by], [cx, cy]] = sheared;
+    let (x, y, z, e) = (most([ax, bx, cx]), most([ay, by, cy]), most(depths), most(edges));
+    let (x_error, y_error, z_error) = ((x + z) * gamma(5), (y + z) * gamma(5), z * gamma(3));
+    let e_error = (x * y * gamma(2) + y_error * x + x_error * y) * 2.0;
+    let sum_error = (e * z * gamma(3) + e_error * z + z_error * e) * 3.0;
+    let det = edges[0] + edges[1] + edges[2];
+    let scale = spread(simd, inv_depth) / det;
+    let t = (edges[0] * depths[0] + edges[1] * depths[1] + edges[2] * depths[2]) * scale;
+    let det_share = e_error * 3.0 / det.abs();
+    let error = (sum_error * scale.abs() + t.abs() * (det_share + gamma(6))) * 2.0;
+    let outside = (t + error).simd_lt(spread(simd, t_min)) | (t - error).simd_gt(spread(simd, t_max));
+    // Where the determinant may be nothing but error, nothing is known. A NaN says nothing either.
+    (outside & det_share.simd_lt(spread(simd, 0.25))).to_bitmask() as u32
+}
+
+impl<S: Simd> Candidates<S> {
+    /// The lanes, ascending.
+    #[inline(always)]
+    pub fn lanes(&self) -> impl Iterator<Item = usize> + use<S> {
         let mut left = self.lanes;
         std::iter::from_fn(move || {
             let lane = left.trailing_zeros() as usize;
@@ -121,6 +216,8 @@ mod tests {
     use rand_pcg::Pcg32;
 
     use super::*;
+    use crate::accel::simd::{SimdLevel, SimdToken};
+    use crate::at_level;
     use crate::geometry::Ray;
 
     /// Coarse coordinates, so that rays go through edges and corners and along faces.
@@ -128,28 +225,64 @@ mod tests {
         Vec3::from_array(std::array::from_fn(|_| rng.random_range(-3..=3) as f32 * 0.7))
     }
 
+    fn answers<S: Simd>(
+        simd: S,
+        block: &TriangleBlock,
+        ray: &PreparedRay,
+        t_max: f32,
+    ) -> [Option<ShapeHit>; LANES] {
+        let lane_ray = LaneRay::new(simd, ray);
+        let candidates = block.candidates(&lane_ray, t_max);
+        let mut answers = [None; LANES];
+        for lane in candidates.lanes() {
+            answers[lane] = block.confirm(&candidates, lane, &lane_ray, 0.0, t_max);
+        }
+        answers
+    }
+
     #[test]
-    fn every_lane_answers_exactly_as_the_triangle_alone() {
+    fn every_lane_answers_exactly_as_the_triangle_alone_at_every_level() {
+        let levels: Vec<_> = SimdLevel::ALL.into_iter().filter_map(SimdToken::new).collect();
         let mut rng = Pcg32::seed_from_u64(1);
         let mut hits = 0;
-        for round in 0..20_000 {
+        for round in 0..40_000 {
+            let fine = round % 3 == 0;
+            let corner = |rng: &mut Pcg32| {
+                let shift =
+                    if fine { Vec3::new(rng.random(), rng.random(), rng.random()) } else { Vec3::ZERO };
+                point(rng) + shift
+            };
             let triangles: Vec<(u32, Triangle)> = (0..1 + round % 4)
-                .map(|i| (i, Triangle { v: std::array::from_fn(|_| point(&mut rng)) }))
+                .map(|i| (i, Triangle { v: std::array::from_fn(|_| corner(&mut rng)) }))
                 .collect();
-            let block = TriangleBlock::new(&triangles);
-            let ray = PreparedRay::new(Ray::new(point(&mut rng), point(&mut rng)));
-            let lane_ray = LaneRay::new(&ray);
-            let candidates = block.candidates(&lane_ray);
-            let mut answers = [None; LANES];
-            for lane in candidates.lanes() {
-                answers[lane] = block.confirm(&candidates, lane, &lane_ray, 0.0, f32::MAX);
+            let block = TriangleBlock::new(&triangles, false);
+            let ray = PreparedRay::new(Ray::new(corner(&mut rng), corner(&mut rng)));
+            // Also ends just before, at and behind the first triangle.
+            let first = triangles[0].1.intersect(&ray).map_or(f32::MAX, |hit| hit.t);
+            let t_max = [f32::MAX, first, first.next_down(), 1.0][round as usize / 4 % 4];
+            let alone: [_; LANES] = std::array::from_fn(|lane| {
+                triangles.get(lane).and_then(|(_, t)| t.intersect_within(&ray, 0.0, t_max))
+            });
+            for &level in &levels {
+                let together = at_level!(level, simd => answers(simd, &block, &ray, t_max));
+                assert_eq!(together, alone, "{level:?} {triangles:?} {ray:?}");
             }
-            for (lane, answer) in answers.into_iter().enumerate() {
-                let alone = triangles.get(lane).and_then(|(_, t)| t.intersect(&ray));
-                assert_eq!(answer, alone, "{triangles:?} {ray:?}");
-                hits += usize::from(alone.is_some());
-            }
+            hits += alone.iter().flatten().count();
         }
-        assert!(hits > 500, "only {hits} rays hit anything");
+        assert!(hits > 1000, "only {hits} rays hit anything");
+    }
+
+    #[test]
+    fn a_block_knows_its_triangles_and_whether_its_leaf_goes_on() {
+        let triangle = Triangle { v: [Vec3::ZERO, Vec3::X, Vec3::Y] };
+        let all = [(7, triangle), (9, triangle), (11, triangle)];
+        let (whole, part, none) = (
+            TriangleBlock::new(&all, false),
+            TriangleBlock::new(&all[..1], true),
+            TriangleBlock::new(&[], true),
+        );
+        assert_eq!([whole.count(), part.count(), none.count()], [3, 1, 0]);
+        assert_eq!([whole.goes_on(), part.goes_on(), none.goes_on()], [false, true, true]);
+        assert_eq!((whole.shape(2), part.shape(0)), (11, 7));
     }
 }

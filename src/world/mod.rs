@@ -11,9 +11,11 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::accel::quality::TreeFigures;
+use crate::accel::simd::{SimdLevel, SimdToken};
 use crate::accel::{
     BuildConfig, BuildPhase, BuildReport, LeafIntersector, Probe, Tree, build, traverse, validate,
 };
+use crate::at_level;
 use crate::geometry::{Hit, PreparedRay, Ray};
 use crate::scene::{Scene, ShadowRule};
 use crate::task::{Cancelled, Task};
@@ -33,6 +35,7 @@ pub struct World {
     pub figures: TreeFigures,
     store: PrimStore,
     blockers: Blockers,
+    simd: SimdToken,
 }
 
 impl World {
@@ -65,12 +68,23 @@ impl World {
         report.phases.push(pack_phase);
         let figures = TreeFigures::measure(&tree, config.traversal_cost, config.intersection_cost);
         let blockers = Blockers::new(&scene);
-        Ok(Self { scene, tree, report, figures, store, blockers })
+        Ok(Self { scene, tree, report, figures, store, blockers, simd: SimdToken::detect() })
     }
 
     /// Tree and primitive store together, ready to trace, in bytes.
     pub fn bytes(&self) -> usize {
         self.tree.bytes() + self.store.bytes()
+    }
+
+    /// The same world, its rays traced with other instructions; with what it had if the processor does not have them.
+    #[must_use]
+    pub fn with_simd(self, level: SimdLevel) -> Self {
+        Self { simd: SimdToken::new(level).unwrap_or(self.simd), ..self }
+    }
+
+    /// What its rays are traced with.
+    pub fn simd_level(&self) -> SimdLevel {
+        self.simd.level()
     }
 
     /// The leaves' geometry, for walks of the tree beyond the queries below.
@@ -114,7 +128,8 @@ impl World {
         Some(hit.shape)
     }
 
-    #[inline]
+    /// Compiled for every level of instructions, so not inlined.
+    #[inline(never)]
     fn nearest<P: Probe>(
         &self,
         ray: &PreparedRay,
@@ -127,11 +142,12 @@ impl World {
             let answer = plane.intersect_within(ray, t_min(index), hit.t);
             keep(&mut hit, index, answer);
         }
-        traverse::intersect(&self.tree, leaves, ray, &mut hit, probe);
+        at_level!(self.simd, simd => traverse::intersect(simd, &self.tree, leaves, ray, &mut hit, probe));
         hit.is_some().then_some(hit)
     }
 
-    #[inline]
+    /// Compiled for every level of instructions, so not inlined.
+    #[inline(never)]
     fn any<P: Probe>(&self, ray: &Ray, blocks: impl Fn(u32) -> bool, probe: &mut P) -> Option<u32> {
         let ray = PreparedRay::new(*ray);
         let in_the_way = self
@@ -139,7 +155,13 @@ impl World {
             .unbounded()
             .find(|(index, plane, _)| blocks(*index) && plane.intersect(&ray).is_some())
             .map(|(index, ..)| index);
-        in_the_way.or_else(|| traverse::occluded(&self.tree, &self.store, &ray, &blocks, probe))
+        if in_the_way.is_some() {
+            return in_the_way;
+        }
+        at_level!(
+            self.simd,
+            simd => traverse::occluded(simd, &self.tree, &self.store, &ray, &blocks, probe)
+        )
     }
 }
 

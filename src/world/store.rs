@@ -1,5 +1,6 @@
 //! The leaves' geometry in leaf order: blocks of triangles as structure of arrays, one array for each other shape.
 
+use fearless_simd::Simd;
 use rayon::prelude::*;
 
 use crate::accel::tree::LeafRange;
@@ -14,35 +15,28 @@ use super::block::{LANES, LaneRay, TriangleBlock};
 const LEAVES_A_PIECE: usize = 4096;
 
 /// Plain data, owned, that can be copied to a graphics card.
+///
+/// The block of a leaf's first triangles has the leaf's own index, so that a ray finds it without a detour. What else a
+/// leaf holds is found by way of `rest_of`.
 #[derive(Clone, Debug, Default)]
 pub struct PrimStore {
-    leaves: Vec<Leaf>,
     blocks: Vec<TriangleBlock>,
-    /// For the leaves that hold other shapes than triangles.
-    others: Vec<Others>,
+    /// A leaf's index in `rests`, [`NO_REST`] for none; empty if no leaf has any.
+    rest_of: Vec<u32>,
+    rests: Vec<Rest>,
+    more_blocks: Vec<TriangleBlock>,
     spheres: Vec<Stored<Sphere>>,
     cuboids: Vec<Stored<Cuboid>>,
     quads: Vec<Stored<Quad>>,
     tori: Vec<Stored<Torus>>,
 }
 
-/// Where a leaf's shapes lie.
-#[derive(Clone, Copy, Debug)]
-struct Leaf {
-    /// Its triangles fill blocks from here on; only the last one may have lanes left.
-    first_block: u32,
-    triangle_count: u32,
-    /// Index into [`PrimStore::others`], or [`Leaf::NO_OTHERS`].
-    others: u32,
-}
+const NO_REST: u32 = u32::MAX;
 
-impl Leaf {
-    const NO_OTHERS: u32 = u32::MAX;
-}
-
-/// A leaf's ranges in the arrays of the other shapes.
+/// What a leaf holds beside its first block, as ranges of the arrays.
 #[derive(Clone, Copy, Debug, Default)]
-struct Others {
+struct Rest {
+    blocks: Range,
     spheres: Range,
     cuboids: Range,
     quads: Range,
@@ -69,6 +63,10 @@ impl Range {
         self.count += 1;
         all.push(element);
     }
+
+    fn moved(self, by: usize) -> Self {
+        Self { first: self.first + index(by), ..self }
+    }
 }
 
 /// A shape with its index in the scene.
@@ -88,69 +86,69 @@ impl PrimStore {
     /// # Errors
     /// [`Cancelled`] when the task was.
     pub fn new(scene: &Scene, tree: &Tree, task: &Task) -> Result<Self, Cancelled> {
-        let pieces = tree
-            .leaves()
-            .par_chunks(LEAVES_A_PIECE)
-            .map(|leaves| task.check().map(|()| Self::piece(scene, tree.refs(), leaves)))
-            .collect::<Result<Vec<Self>, Cancelled>>()?;
-        let mut store = Self::default();
-        store.leaves.reserve_exact(tree.leaf_count());
-        store.blocks.reserve_exact(pieces.iter().map(|piece| piece.blocks.len()).sum());
-        for piece in pieces {
-            store.append(piece);
+        let mut store = Self { blocks: vec![TriangleBlock::EMPTY; tree.leaf_count()], ..Self::default() };
+        let leaves = tree.leaves().par_chunks(LEAVES_A_PIECE);
+        let pieces = store.blocks.par_chunks_mut(LEAVES_A_PIECE).zip(leaves).map(|(blocks, leaves)| {
+            task.check()?;
+            Ok(Self::pack(scene, tree.refs(), leaves, blocks))
+        });
+        let pieces = pieces.collect::<Result<Vec<Self>, Cancelled>>()?;
+        if pieces.iter().any(|piece| !piece.rests.is_empty()) {
+            store.rest_of = vec![NO_REST; tree.leaf_count()];
+            for (i, piece) in pieces.into_iter().enumerate() {
+                store.append(piece, i * LEAVES_A_PIECE);
+            }
         }
         Ok(store)
     }
 
-    fn piece(scene: &Scene, refs: &[u32], leaves: &[LeafRange]) -> Self {
+    /// Fills the blocks of some leaves and answers the rests of those that have one, `rest_of` by leaf.
+    fn pack(scene: &Scene, refs: &[u32], leaves: &[LeafRange], blocks: &mut [TriangleBlock]) -> Self {
         let mut piece = Self::default();
         let mut triangles = Vec::new();
-        for leaf in leaves {
-            let (mut others, mut has_others) = (Others::default(), false);
+        for (i, (leaf, block)) in leaves.iter().zip(blocks).enumerate() {
+            let mut rest = Rest::default();
             triangles.clear();
             for &shape in &refs[leaf.first as usize..][..leaf.count as usize] {
-                let geometry = scene.shape(shape);
-                has_others |= !matches!(geometry, Shape::Triangle(_));
-                match geometry {
+                match scene.shape(shape) {
                     Shape::Triangle(triangle) => triangles.push((shape, triangle)),
                     Shape::Sphere(geometry) => {
-                        others.spheres.push(&mut piece.spheres, Stored { geometry, shape });
+                        rest.spheres.push(&mut piece.spheres, Stored { geometry, shape });
                     }
                     Shape::Cuboid(geometry) => {
-                        others.cuboids.push(&mut piece.cuboids, Stored { geometry, shape });
+                        rest.cuboids.push(&mut piece.cuboids, Stored { geometry, shape });
                     }
-                    Shape::Quad(geometry) => others.quads.push(&mut piece.quads, Stored { geometry, shape }),
-                    Shape::Torus(geometry) => others.tori.push(&mut piece.tori, Stored { geometry, shape }),
+                    Shape::Quad(geometry) => rest.quads.push(&mut piece.quads, Stored { geometry, shape }),
+                    Shape::Torus(geometry) => rest.tori.push(&mut piece.tori, Stored { geometry, shape }),
                 }
             }
-            piece.leaves.push(Leaf {
-                first_block: index(piece.blocks.len()),
-                triangle_count: index(triangles.len()),
-                others: if has_others { index(piece.others.len()) } else { Leaf::NO_OTHERS },
-            });
-            piece.blocks.extend(triangles.chunks(LANES).map(TriangleBlock::new));
-            if has_others {
-                piece.others.push(others);
+            let goes_on = triangles.len() < leaf.count as usize || triangles.len() > LANES;
+            let (first, others) = triangles.split_at(triangles.len().min(LANES));
+            *block = TriangleBlock::new(first, goes_on);
+            if goes_on {
+                for others in others.chunks(LANES) {
+                    rest.blocks.push(&mut piece.more_blocks, TriangleBlock::new(others, false));
+                }
+                piece.rest_of.push(index(i));
+                piece.rests.push(rest);
             }
         }
         piece
     }
 
-    fn append(&mut self, piece: Self) {
-        let (blocks, others) = (index(self.blocks.len()), index(self.others.len()));
-        self.leaves.extend(piece.leaves.iter().map(|leaf| Leaf {
-            first_block: leaf.first_block + blocks,
-            triangle_count: leaf.triangle_count,
-            others: if leaf.others == Leaf::NO_OTHERS { Leaf::NO_OTHERS } else { leaf.others + others },
-        }));
-        let moved = |range: Range, by: usize| Range { first: range.first + index(by), ..range };
-        self.others.extend(piece.others.iter().map(|others| Others {
-            spheres: moved(others.spheres, self.spheres.len()),
-            cuboids: moved(others.cuboids, self.cuboids.len()),
-            quads: moved(others.quads, self.quads.len()),
-            tori: moved(others.tori, self.tori.len()),
-        }));
-        self.blocks.extend(piece.blocks);
+    /// Adds the rests of the leaves from `first_leaf` on.
+    fn append(&mut self, piece: Self, first_leaf: usize) {
+        for (leaf, rest) in piece.rest_of.into_iter().zip(piece.rests) {
+            self.rest_of[first_leaf + leaf as usize] = index(self.rests.len());
+            self.rests.push(Rest {
+                blocks: rest.blocks.moved(self.more_blocks.len()),
+                spheres: rest.spheres.moved(self.spheres.len()),
+                cuboids: rest.cuboids.moved(self.cuboids.len()),
+                quads: rest.quads.moved(self.quads.len()),
+                tori: rest.tori.moved(self.tori.len()),
+            });
+        }
+        self.more_blocks.extend(piece.more_blocks);
         self.spheres.extend(piece.spheres);
         self.cuboids.extend(piece.cuboids);
         self.quads.extend(piece.quads);
@@ -159,88 +157,110 @@ impl PrimStore {
 
     /// Bytes of the shapes in leaf order and of what finds them.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.leaves[..])
-            + size_of_val(&self.blocks[..])
-            + size_of_val(&self.others[..])
+        size_of_val(&self.blocks[..])
+            + size_of_val(&self.rest_of[..])
+            + size_of_val(&self.rests[..])
+            + size_of_val(&self.more_blocks[..])
             + size_of_val(&self.spheres[..])
             + size_of_val(&self.cuboids[..])
             + size_of_val(&self.quads[..])
             + size_of_val(&self.tori[..])
     }
 
-    /// The blocks of a leaf, each with the number of its triangles.
+    /// What the leaf of this first block holds beside it.
     #[inline]
-    fn blocks_of(&self, leaf: &Leaf) -> impl Iterator<Item = (&TriangleBlock, u32)> {
-        let count = leaf.triangle_count as usize;
-        let blocks = &self.blocks[leaf.first_block as usize..][..count.div_ceil(LANES)];
-        blocks.iter().enumerate().map(move |(i, block)| (block, (count - i * LANES).min(LANES) as u32))
+    fn rest(&self, leaf_idx: u32) -> &Rest {
+        &self.rests[self.rest_of[leaf_idx as usize] as usize]
     }
 
-    /// Tests every shape of a leaf and keeps the nearest. `t_min` is the start of the interval in which a shape counts.
-    #[inline]
-    fn nearest<P: Probe>(
+    /// Tests every shape of a leaf and keeps the nearest. `t_min` is the start of the interval in which a shape counts, the
+    /// ray's or later.
+    #[inline(always)]
+    fn nearest<S: Simd, P: Probe>(
         &self,
+        simd: S,
         leaf_idx: u32,
         ray: &PreparedRay,
         t_min: impl Fn(u32) -> f32 + Copy,
         hit: &mut Hit,
         probe: &mut P,
     ) {
-        let leaf = &self.leaves[leaf_idx as usize];
-        let lane_ray = LaneRay::new(ray);
-        for (block, count) in self.blocks_of(leaf) {
-            probe.shapes_tested(count);
-            let candidates = block.candidates(&lane_ray);
-            for lane in candidates.lanes() {
-                let shape = block.shape(lane);
-                keep(hit, shape, block.confirm(&candidates, lane, &lane_ray, t_min(shape), hit.t));
+        let lane_ray = LaneRay::new(simd, ray);
+        let block = &self.blocks[leaf_idx as usize];
+        nearest_of_block(block, &lane_ray, t_min, hit, probe);
+        if block.goes_on() {
+            let rest = self.rest(leaf_idx);
+            for block in rest.blocks.of(&self.more_blocks) {
+                nearest_of_block(block, &lane_ray, t_min, hit, probe);
             }
-        }
-        if leaf.others != Leaf::NO_OTHERS {
-            let others = &self.others[leaf.others as usize];
             let query = Nearest { ray, t_min };
-            query.among(others.spheres.of(&self.spheres), Sphere::intersect_within, hit, probe);
-            query.among(others.cuboids.of(&self.cuboids), Cuboid::intersect_within, hit, probe);
-            query.among(others.quads.of(&self.quads), Quad::intersect_within, hit, probe);
-            query.among(others.tori.of(&self.tori), Torus::intersect_within, hit, probe);
+            query.among(rest.spheres.of(&self.spheres), Sphere::intersect_within, hit, probe);
+            query.among(rest.cuboids.of(&self.cuboids), Cuboid::intersect_within, hit, probe);
+            query.among(rest.quads.of(&self.quads), Quad::intersect_within, hit, probe);
+            query.among(rest.tori.of(&self.tori), Torus::intersect_within, hit, probe);
         }
     }
 
     /// The first shape of a leaf that blocks and is hit. Shapes other than triangles that do not block are not tested.
-    #[inline]
-    fn any<P: Probe>(
+    #[inline(always)]
+    fn any<S: Simd, P: Probe>(
         &self,
+        simd: S,
         leaf_idx: u32,
         ray: &PreparedRay,
         t_min: impl Fn(u32) -> f32 + Copy,
         blocks: &impl Fn(u32) -> bool,
         probe: &mut P,
     ) -> Option<u32> {
-        let leaf = &self.leaves[leaf_idx as usize];
-        let lane_ray = LaneRay::new(ray);
-        let t_max = ray.ray.t_max;
-        for (block, count) in self.blocks_of(leaf) {
-            probe.shapes_tested(count);
-            let candidates = block.candidates(&lane_ray);
-            for lane in candidates.lanes() {
-                let shape = block.shape(lane);
-                let stops = || block.confirm(&candidates, lane, &lane_ray, t_min(shape), t_max).is_some();
-                if blocks(shape) && stops() {
-                    return Some(shape);
-                }
-            }
+        let lane_ray = LaneRay::new(simd, ray);
+        let block = &self.blocks[leaf_idx as usize];
+        let found = any_of_block(block, &lane_ray, t_min, blocks, probe);
+        if found.is_some() || !block.goes_on() {
+            return found;
         }
-        if leaf.others == Leaf::NO_OTHERS {
-            return None;
-        }
-        let others = &self.others[leaf.others as usize];
+        let rest = self.rest(leaf_idx);
         let query = Any { ray, t_min, blocks };
-        query
-            .among(others.spheres.of(&self.spheres), Sphere::intersect_within, probe)
-            .or_else(|| query.among(others.cuboids.of(&self.cuboids), Cuboid::intersect_within, probe))
-            .or_else(|| query.among(others.quads.of(&self.quads), Quad::intersect_within, probe))
-            .or_else(|| query.among(others.tori.of(&self.tori), Torus::intersect_within, probe))
+        let mut more = rest.blocks.of(&self.more_blocks).iter();
+        more.find_map(|block| any_of_block(block, &lane_ray, t_min, blocks, probe))
+            .or_else(|| query.among(rest.spheres.of(&self.spheres), Sphere::intersect_within, probe))
+            .or_else(|| query.among(rest.cuboids.of(&self.cuboids), Cuboid::intersect_within, probe))
+            .or_else(|| query.among(rest.quads.of(&self.quads), Quad::intersect_within, probe))
+            .or_else(|| query.among(rest.tori.of(&self.tori), Torus::intersect_within, probe))
     }
+}
+
+#[inline(always)]
+fn nearest_of_block<S: Simd, P: Probe>(
+    block: &TriangleBlock,
+    ray: &LaneRay<S>,
+    t_min: impl Fn(u32) -> f32,
+    hit: &mut Hit,
+    probe: &mut P,
+) {
+    probe.shapes_tested(block.count());
+    let candidates = block.candidates(ray, hit.t);
+    for lane in candidates.lanes() {
+        let shape = block.shape(lane);
+        keep(hit, shape, block.confirm(&candidates, lane, ray, t_min(shape), hit.t));
+    }
+}
+
+#[inline(always)]
+fn any_of_block<S: Simd, P: Probe>(
+    block: &TriangleBlock,
+    ray: &LaneRay<S>,
+    t_min: impl Fn(u32) -> f32,
+    blocks: &impl Fn(u32) -> bool,
+    probe: &mut P,
+) -> Option<u32> {
+    probe.shapes_tested(block.count());
+    let t_max = ray.t_max();
+    let candidates = block.candidates(ray, t_max);
+    candidates.lanes().find_map(|lane| {
+        let shape = block.shape(lane);
+        let stops = || block.confirm(&candidates, lane, ray, t_min(shape), t_max).is_some();
+        (blocks(shape) && stops()).then_some(shape)
+    })
 }
 
 /// Replaces `hit` by what `shape` answered if that is nearer.
@@ -299,22 +319,30 @@ impl<T: Fn(u32) -> f32, B: Fn(u32) -> bool> Any<'_, T, B> {
 }
 
 impl LeafIntersector for PrimStore {
-    #[inline]
-    fn intersect<P: Probe>(&self, leaf_idx: u32, ray: &PreparedRay, hit: &mut Hit, probe: &mut P) {
+    #[inline(always)]
+    fn intersect<S: Simd, P: Probe>(
+        &self,
+        simd: S,
+        leaf_idx: u32,
+        ray: &PreparedRay,
+        hit: &mut Hit,
+        probe: &mut P,
+    ) {
         let t_min = ray.ray.t_min;
-        self.nearest(leaf_idx, ray, |_| t_min, hit, probe);
+        self.nearest(simd, leaf_idx, ray, |_| t_min, hit, probe);
     }
 
-    #[inline]
-    fn occluded<P: Probe>(
+    #[inline(always)]
+    fn occluded<S: Simd, P: Probe>(
         &self,
+        simd: S,
         leaf_idx: u32,
         ray: &PreparedRay,
         blocks: &impl Fn(u32) -> bool,
         probe: &mut P,
     ) -> Option<u32> {
         let t_min = ray.ray.t_min;
-        self.any(leaf_idx, ray, |_| t_min, blocks, probe)
+        self.any(simd, leaf_idx, ray, |_| t_min, blocks, probe)
     }
 }
 
@@ -337,18 +365,27 @@ impl Beyond<'_> {
 }
 
 impl LeafIntersector for Beyond<'_> {
-    #[inline]
-    fn intersect<P: Probe>(&self, leaf_idx: u32, ray: &PreparedRay, hit: &mut Hit, probe: &mut P) {
-        self.store.nearest(leaf_idx, ray, |shape| self.t_min(shape), hit, probe);
+    #[inline(always)]
+    fn intersect<S: Simd, P: Probe>(
+        &self,
+        simd: S,
+        leaf_idx: u32,
+        ray: &PreparedRay,
+        hit: &mut Hit,
+        probe: &mut P,
+    ) {
+        self.store.nearest(simd, leaf_idx, ray, |shape| self.t_min(shape), hit, probe);
     }
 
-    fn occluded<P: Probe>(
+    #[inline(always)]
+    fn occluded<S: Simd, P: Probe>(
         &self,
+        simd: S,
         leaf_idx: u32,
         ray: &PreparedRay,
         blocks: &impl Fn(u32) -> bool,
         probe: &mut P,
     ) -> Option<u32> {
-        self.store.any(leaf_idx, ray, |shape| self.t_min(shape), blocks, probe)
+        self.store.any(simd, leaf_idx, ray, |shape| self.t_min(shape), blocks, probe)
     }
 }

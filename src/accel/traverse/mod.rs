@@ -1,10 +1,20 @@
-//! The walk of a ray through a tree: one loop per layout, generic over the query, the probe and the leaves.
+//! The walk of a ray through a tree: one loop per layout, generic over the instructions, the query, the probe and the
+//! leaves.
+//!
+//! Everything on the way down to a leaf is inlined into the functions of [`at_level!`], so that it is compiled for their
+//! instructions.
+
+mod boxes;
+
+use fearless_simd::{Fallback, Simd};
 
 use crate::each_width;
-use crate::geometry::{Aabb, Hit, PreparedRay, Slabs};
+use crate::geometry::{Hit, PreparedRay};
 
 use super::config::BuildConfig;
 use super::tree::{ChildRef, Tree, WideBvh, WideNode};
+
+use boxes::{BoxLanes, Entered, TreeRay};
 
 /// Looks on while a ray walks a tree. The empty probe `()` costs nothing.
 pub trait Probe {
@@ -75,11 +85,19 @@ impl Probe for RayCounters {
 /// What lies in the leaves, in leaf order. Asked with a leaf's index.
 pub trait LeafIntersector {
     /// Tests every shape of the leaf and keeps the nearest in `hit` ([`Hit::is_beaten_by`]).
-    fn intersect<P: Probe>(&self, leaf_idx: u32, ray: &PreparedRay, hit: &mut Hit, probe: &mut P);
+    fn intersect<S: Simd, P: Probe>(
+        &self,
+        simd: S,
+        leaf_idx: u32,
+        ray: &PreparedRay,
+        hit: &mut Hit,
+        probe: &mut P,
+    );
 
     /// The first shape found in the leaf (not the nearest) that the ray hits and that `blocks` says stops it.
-    fn occluded<P: Probe>(
+    fn occluded<S: Simd, P: Probe>(
         &self,
+        simd: S,
         leaf_idx: u32,
         ray: &PreparedRay,
         blocks: &impl Fn(u32) -> bool,
@@ -93,7 +111,14 @@ trait Query<L: LeafIntersector> {
     fn t_max(&self) -> f32;
 
     /// Tests a leaf; answers whether the walk is over.
-    fn leaf<P: Probe>(&mut self, leaf_idx: u32, leaves: &L, ray: &PreparedRay, probe: &mut P) -> bool;
+    fn leaf<S: Simd, P: Probe>(
+        &mut self,
+        simd: S,
+        leaf_idx: u32,
+        leaves: &L,
+        ray: &PreparedRay,
+        probe: &mut P,
+    ) -> bool;
 }
 
 struct Nearest<'a> {
@@ -107,8 +132,15 @@ impl<L: LeafIntersector> Query<L> for Nearest<'_> {
     }
 
     #[inline(always)]
-    fn leaf<P: Probe>(&mut self, leaf_idx: u32, leaves: &L, ray: &PreparedRay, probe: &mut P) -> bool {
-        leaves.intersect(leaf_idx, ray, self.hit, probe);
+    fn leaf<S: Simd, P: Probe>(
+        &mut self,
+        simd: S,
+        leaf_idx: u32,
+        leaves: &L,
+        ray: &PreparedRay,
+        probe: &mut P,
+    ) -> bool {
+        leaves.intersect(simd, leaf_idx, ray, self.hit, probe);
         false
     }
 }
@@ -126,8 +158,15 @@ impl<L: LeafIntersector, F: Fn(u32) -> bool> Query<L> for Any<'_, F> {
     }
 
     #[inline(always)]
-    fn leaf<P: Probe>(&mut self, leaf_idx: u32, leaves: &L, ray: &PreparedRay, probe: &mut P) -> bool {
-        self.found = leaves.occluded(leaf_idx, ray, self.blocks, probe);
+    fn leaf<S: Simd, P: Probe>(
+        &mut self,
+        simd: S,
+        leaf_idx: u32,
+        leaves: &L,
+        ray: &PreparedRay,
+        probe: &mut P,
+    ) -> bool {
+        self.found = leaves.occluded(simd, leaf_idx, ray, self.blocks, probe);
         self.found.is_some()
     }
 }
@@ -136,8 +175,9 @@ impl<L: LeafIntersector, F: Fn(u32) -> bool> Query<L> for Any<'_, F> {
 ///
 /// Boxes are tested with the arithmetic of [`Slabs`], prepared once a ray for the tree's bounds: shapes confine their
 /// hits by the same arithmetic, so no order of boxes can lose one.
-#[inline]
-pub fn intersect<L: LeafIntersector, P: Probe>(
+#[inline(always)]
+pub fn intersect<S: Simd, L: LeafIntersector, P: Probe>(
+    simd: S,
     tree: &Tree,
     leaves: &L,
     ray: &PreparedRay,
@@ -145,13 +185,14 @@ pub fn intersect<L: LeafIntersector, P: Probe>(
     probe: &mut P,
 ) {
     let mut query = Nearest { hit };
-    each_width!(tree, t => walk(t, leaves, ray, &mut query, probe));
+    each_width!(tree, t => walk(simd, t, leaves, ray, &mut query, probe));
 }
 
 /// Any shape between `t_min` and `t_max` that `blocks` says stops the ray: its index, or `None` for a free way.
 /// Same child order as [`intersect`].
-#[inline]
-pub fn occluded<L: LeafIntersector, P: Probe>(
+#[inline(always)]
+pub fn occluded<S: Simd, L: LeafIntersector, P: Probe>(
+    simd: S,
     tree: &Tree,
     leaves: &L,
     ray: &PreparedRay,
@@ -159,158 +200,125 @@ pub fn occluded<L: LeafIntersector, P: Probe>(
     probe: &mut P,
 ) -> Option<u32> {
     let mut query = Any { t_max: ray.ray.t_max, blocks, found: None };
-    each_width!(tree, t => walk(t, leaves, ray, &mut query, probe));
+    each_width!(tree, t => walk(simd, t, leaves, ray, &mut query, probe));
     query.found
 }
 
 /// Whether a ray meets the root's box. One that does not visits nothing.
 #[inline]
 pub fn hits_root(tree: &Tree, ray: &PreparedRay) -> bool {
-    tree.node_count() > 0 && BoxTest::new(ray, &tree.bounds()).entry(&tree.bounds(), ray.ray.t_max).is_some()
+    tree.node_count() > 0 && TreeRay::new(Fallback::new(), ray, &tree.bounds(), ray.ray.t_max).is_some()
 }
 
-fn walk<const N: usize, L: LeafIntersector, Q: Query<L>, P: Probe>(
-    bvh: &WideBvh<N>,
-    leaves: &L,
-    ray: &PreparedRay,
-    query: &mut Q,
-    probe: &mut P,
-) {
-    // Each level leaves at most N - 1 nodes behind on the stack. The small stack is cleared faster.
-    let needed = (N - 1) * bvh.depth_max as usize + 1;
-    if needed <= SMALL_STACK {
-        walk_with_stack::<N, SMALL_STACK, L, Q, P>(bvh, leaves, ray, query, probe);
-    } else {
-        walk_with_stack::<N, FULL_STACK, L, Q, P>(bvh, leaves, ray, query, probe);
+/// A node that waits on the stack: the bits of where the ray enters it, then its reference. The nearer one is the smaller
+/// number; of equally near ones that with the smaller reference.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Waiting(u64);
+
+impl Waiting {
+    #[inline(always)]
+    fn new(child: ChildRef, entry: f32) -> Self {
+        Self(u64::from(entry.to_bits()) << 32 | u64::from(child.0))
+    }
+
+    #[inline(always)]
+    fn child(self) -> ChildRef {
+        ChildRef(self.0 as u32)
+    }
+
+    #[inline(always)]
+    fn entry(self) -> f32 {
+        f32::from_bits((self.0 >> 32) as u32)
     }
 }
 
-const SMALL_STACK: usize = 96;
-/// Enough for eight children a node at the greatest depth.
-const FULL_STACK: usize = 7 * BuildConfig::MAX_DEPTH + 1;
+/// Cleared for every ray, so small; the few rays that need more go on with [`FULL_STACK`].
+const SMALL_STACK: usize = 32;
+/// Enough for eight children a node at the greatest depth: each level leaves at most seven behind.
+const FULL_STACK: usize = 7 * BuildConfig::MAX_DEPTH + 8;
 
 /// The one traversal loop.
-fn walk_with_stack<const N: usize, const STACK: usize, L: LeafIntersector, Q: Query<L>, P: Probe>(
+#[inline(always)]
+fn walk<S: Simd, const N: usize, L: LeafIntersector, Q: Query<L>, P: Probe>(
+    simd: S,
     bvh: &WideBvh<N>,
     leaves: &L,
     ray: &PreparedRay,
     query: &mut Q,
     probe: &mut P,
-) {
-    let boxes = BoxTest::new(ray, &bvh.bounds);
-    if bvh.root.is_empty() || boxes.entry(&bvh.bounds, query.t_max()).is_none() {
+) where
+    WideNode<N>: BoxLanes<S, N>,
+{
+    if bvh.root.is_empty() {
         return;
     }
-    let mut stack = [(ChildRef::EMPTY, 0.0_f32); STACK];
+    let Some(tree_ray) = TreeRay::new(simd, ray, &bvh.bounds, query.t_max()) else { return };
+    let lanes = WideNode::spread(simd, &tree_ray);
+    let (mut small, mut full) = ([Waiting(0); SMALL_STACK], Vec::new());
+    let mut unused = Some(&mut full);
+    // The nodes that wait, the nearest on top.
+    let mut stack = &mut small[..];
     let mut height = 0;
     let mut next = bvh.root;
     loop {
         if let Some(leaf_idx) = next.as_leaf() {
             probe.leaf_visited(leaf_idx);
-            if query.leaf(leaf_idx, leaves, ray, probe) {
+            if query.leaf(simd, leaf_idx, leaves, ray, probe) {
                 return;
             }
         } else {
-            let node_idx = next.0;
-            let node = &bvh.nodes[node_idx as usize];
-            probe.inner_visited(node_idx, node.child_count() as u32);
-            let entries = boxes.entries(node, query.t_max());
-            height = push_by_distance(node, &entries, &mut stack, height);
+            if height + N > stack.len()
+                && let Some(unused) = unused.take()
+            {
+                stack = enlarged(unused, &stack[..height]);
+            }
+            let node = &bvh.nodes[next.0 as usize];
+            probe.inner_visited(next.0, node.child_count() as u32);
+            let Entered { mut slots, entries } = node.enter(simd, &lanes, query.t_max());
+            if slots != 0 {
+                let slot = slots.trailing_zeros() as usize;
+                let mut nearest = Waiting::new(node.children[slot], entries[slot]);
+                let bottom = height;
+                loop {
+                    slots &= slots - 1;
+                    if slots == 0 {
+                        break;
+                    }
+                    let slot = slots.trailing_zeros() as usize;
+                    let other = Waiting::new(node.children[slot], entries[slot]);
+                    let farther = nearest.max(other);
+                    nearest = nearest.min(other);
+                    let mut at = height;
+                    while at > bottom && stack[at - 1] < farther {
+                        stack[at] = stack[at - 1];
+                        at -= 1;
+                    }
+                    stack[at] = farther;
+                    height += 1;
+                }
+                next = nearest.child();
+                continue;
+            }
         }
         loop {
             if height == 0 {
                 return;
             }
             height -= 1;
-            let (child, t_near) = stack[height];
-            if t_near <= query.t_max() {
-                next = child;
+            if stack[height].entry() <= query.t_max() {
+                next = stack[height].child();
                 break;
             }
         }
     }
 }
 
-/// Pushes the children that are entered, the nearest on top; of equally near ones the first slot. Answers the new
-/// height.
-#[inline(always)]
-fn push_by_distance<const N: usize, const STACK: usize>(
-    node: &WideNode<N>,
-    entries: &[f32; N],
-    stack: &mut [(ChildRef, f32); STACK],
-    height: usize,
-) -> usize {
-    let mut top = height;
-    for (slot, &t_near) in entries.iter().enumerate() {
-        if t_near == f32::INFINITY {
-            continue;
-        }
-        let mut at = top;
-        while at > height && stack[at - 1].1 <= t_near {
-            stack[at] = stack[at - 1];
-            at -= 1;
-        }
-        stack[at] = (node.children[slot], t_near);
-        top += 1;
-    }
-    top
-}
-
-/// The slab test of one ray against the boxes of one tree: the arithmetic of [`Slabs`], over all children at once.
-struct BoxTest {
-    slabs: Slabs,
-    /// Whether the ray enters through the maximum along an axis. True for a direction of -0, whose inverse is -infinity.
-    flipped: [bool; 3],
-    t_min: f32,
-}
-
-impl BoxTest {
-    #[inline(always)]
-    fn new(ray: &PreparedRay, within: &Aabb) -> Self {
-        let inv = ray.inv_direction;
-        Self {
-            slabs: Slabs::new(ray, within),
-            flipped: [inv.x < 0.0, inv.y < 0.0, inv.z < 0.0],
-            t_min: ray.ray.t_min,
-        }
-    }
-
-    /// Where the ray enters each child's box; infinity where it does not before `t_max`, and for empty slots.
-    ///
-    /// The comparisons keep the first operand out when it is NaN (0 * infinity: the ray lies in a side's plane), so such a
-    /// side never rejects.
-    #[inline(always)]
-    fn entries<const N: usize>(&self, node: &WideNode<N>, t_max: f32) -> [f32; N] {
-        let mut near = [self.t_min; N];
-        let mut far = [t_max; N];
-        for axis in 0..3 {
-            let (near_side, far_side) = if self.flipped[axis] {
-                (&node.child_max[axis], &node.child_min[axis])
-            } else {
-                (&node.child_min[axis], &node.child_max[axis])
-            };
-            let inv = self.slabs.inv_direction[axis];
-            let (near_origin, far_origin) = (self.slabs.near_origin[axis], self.slabs.far_origin[axis]);
-            for (t, side) in near.iter_mut().zip(near_side) {
-                let t_side = (side - near_origin) * inv;
-                *t = if t_side > *t { t_side } else { *t };
-            }
-            for (t, side) in far.iter_mut().zip(far_side) {
-                let t_side = (side - far_origin) * inv;
-                *t = if t_side < *t { t_side } else { *t };
-            }
-        }
-        std::array::from_fn(|slot| if near[slot] <= far[slot] { near[slot] } else { f32::INFINITY })
-    }
-
-    /// Where the ray enters one box, if it does before `t_max`.
-    #[inline(always)]
-    fn entry(&self, bounds: &Aabb, t_max: f32) -> Option<f32> {
-        let mut node = WideNode::<1>::EMPTY;
-        node.set_bounds(0, bounds);
-        let [entry] = self.entries(&node, t_max);
-        (entry < f32::INFINITY).then_some(entry)
-    }
+/// A full stack with what waits on the small one.
+#[cold]
+fn enlarged<'a>(full: &'a mut Vec<Waiting>, waiting: &[Waiting]) -> &'a mut [Waiting] {
+    full.resize(FULL_STACK, Waiting(0));
+    full[..waiting.len()].copy_from_slice(waiting);
+    full
 }
 
 #[cfg(test)]

@@ -7,8 +7,10 @@ use rand_pcg::Pcg32;
 use super::*;
 use crate::accel::config::{Builder, Widen, Width};
 use crate::accel::{BuildConfig, build};
-use crate::geometry::Ray;
+use crate::geometry::{Aabb, Ray, Slabs};
 use crate::task::Task;
+
+const LEVEL: fearless_simd::Fallback = fearless_simd::Fallback::new();
 
 /// Leaves whose shapes are the boxes themselves, entered at their near side.
 struct Boxes<'a> {
@@ -17,11 +19,20 @@ struct Boxes<'a> {
 }
 
 fn box_entry(bounds: &Aabb, ray: &PreparedRay) -> Option<f32> {
-    BoxTest::new(ray, bounds).entry(bounds, ray.ray.t_max)
+    let (enter, leave) = Slabs::new(ray, bounds).interval(bounds);
+    let entry = if enter > ray.ray.t_min { enter } else { ray.ray.t_min };
+    (entry <= leave.min(ray.ray.t_max)).then_some(entry)
 }
 
 impl LeafIntersector for Boxes<'_> {
-    fn intersect<P: Probe>(&self, leaf_idx: u32, ray: &PreparedRay, hit: &mut Hit, probe: &mut P) {
+    fn intersect<S: Simd, P: Probe>(
+        &self,
+        _: S,
+        leaf_idx: u32,
+        ray: &PreparedRay,
+        hit: &mut Hit,
+        probe: &mut P,
+    ) {
         for &shape in self.tree.leaf_shapes(leaf_idx) {
             probe.shapes_tested(1);
             if let Some(t) = box_entry(&self.boxes[shape as usize], ray)
@@ -32,8 +43,9 @@ impl LeafIntersector for Boxes<'_> {
         }
     }
 
-    fn occluded<P: Probe>(
+    fn occluded<S: Simd, P: Probe>(
         &self,
+        _: S,
         leaf_idx: u32,
         ray: &PreparedRay,
         blocks: &impl Fn(u32) -> bool,
@@ -105,11 +117,11 @@ fn every_tree_gives_the_answers_of_brute_force() {
                 for ray in &rays {
                     let expected = nearest(&boxes, ray);
                     let mut hit = Hit::none(ray.ray.t_max);
-                    intersect(&tree, &leaves, ray, &mut hit, &mut ());
+                    intersect(LEVEL, &tree, &leaves, ray, &mut hit, &mut ());
                     assert_eq!(hit, expected, "{config:?}, {ray:?}");
-                    let any = occluded(&tree, &leaves, ray, &|_| true, &mut ());
+                    let any = occluded(LEVEL, &tree, &leaves, ray, &|_| true, &mut ());
                     assert_eq!(any.is_some(), expected.is_some());
-                    let even = occluded(&tree, &leaves, ray, &|shape| shape % 2 == 0, &mut ());
+                    let even = occluded(LEVEL, &tree, &leaves, ray, &|shape| shape % 2 == 0, &mut ());
                     let expected_even =
                         (0..boxes.len()).step_by(2).any(|i| box_entry(&boxes[i], ray).is_some());
                     assert_eq!(even.is_some(), expected_even);
@@ -127,7 +139,7 @@ fn a_ray_that_misses_the_root_visits_nothing() {
     let ray = PreparedRay::new(Ray::new(Vec3::splat(100.0), Vec3::X));
     let mut counters = RayCounters::default();
     let mut hit = Hit::none(f32::INFINITY);
-    intersect(&tree, &Boxes { tree: &tree, boxes: &boxes }, &ray, &mut hit, &mut counters);
+    intersect(LEVEL, &tree, &Boxes { tree: &tree, boxes: &boxes }, &ray, &mut hit, &mut counters);
     assert!(!hits_root(&tree, &ray) && !hit.is_some());
     assert_eq!(counters, RayCounters::default());
 }
@@ -141,7 +153,7 @@ fn counters_of_a_small_tree_are_those_counted_by_hand() {
     let ray = PreparedRay::new(Ray::new(Vec3::new(-1.0, 0.5, 0.5), Vec3::X));
     let mut counters = RayCounters::default();
     let mut hit = Hit::none(f32::INFINITY);
-    intersect(&tree, &Boxes { tree: &tree, boxes: &boxes }, &ray, &mut hit, &mut counters);
+    intersect(LEVEL, &tree, &Boxes { tree: &tree, boxes: &boxes }, &ray, &mut hit, &mut counters);
     // A box is entered a little early, by the margin of its test.
     assert!(hit.shape == 0 && (hit.t - 1.0).abs() < 1e-5, "{hit:?}");
     assert_eq!(counters, RayCounters { inner_visits: 1, leaf_visits: 1, box_tests: 2, shape_tests: 1 });
@@ -155,6 +167,6 @@ fn a_root_that_is_a_leaf_is_visited_as_one() {
     let ray = PreparedRay::new(Ray::new(Vec3::new(0.5, 0.5, -1.0), Vec3::Z));
     let mut counters = RayCounters::default();
     let mut hit = Hit::none(f32::INFINITY);
-    intersect(&tree, &Boxes { tree: &tree, boxes: &boxes }, &ray, &mut hit, &mut counters);
+    intersect(LEVEL, &tree, &Boxes { tree: &tree, boxes: &boxes }, &ray, &mut hit, &mut counters);
     assert_eq!(counters, RayCounters { inner_visits: 0, leaf_visits: 1, box_tests: 0, shape_tests: 1 });
 }

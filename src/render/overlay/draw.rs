@@ -182,15 +182,12 @@ mod tests {
     /// Two leaves side by side, each a cube of side 2 before the eye at depth 4 to 6, below a root.
     fn pair() -> Tree {
         let boxes = [cube(Vec3::new(-1.5, 0.0, -5.0)), cube(Vec3::new(1.5, 0.0, -5.0))];
-        let axes = |f: fn(&Aabb) -> Vec3| std::array::from_fn(|axis| boxes.each_ref().map(|b| f(b)[axis]));
+        let mut node = WideNode { children: [ChildRef::leaf(0), ChildRef::leaf(1)], ..WideNode::EMPTY };
+        boxes.iter().enumerate().for_each(|(slot, bounds)| node.set_bounds(slot, bounds));
         Tree::W2(WideBvh {
             root: ChildRef::inner(0),
             bounds: boxes[0].union(boxes[1]),
-            nodes: vec![WideNode {
-                child_min: axes(|b| b.min),
-                child_max: axes(|b| b.max),
-                children: [ChildRef::leaf(0), ChildRef::leaf(1)],
-            }],
+            nodes: vec![node],
             leaves: vec![LeafRange { first: 0, count: 1 }, LeafRange { first: 1, count: 3 }],
             refs: vec![0, 1, 2, 3],
             depth_max: 1,

@@ -23,6 +23,8 @@ pub struct Projector {
     near: f32,
     /// Normals in world space of the planes through the eye that bound what is seen: left, right, bottom, top.
     sides: [Vec3; 4],
+    /// Pixels a unit of the camera-space direction with z = 1.
+    scale: Vec2,
 }
 
 /// Pixels that a box may touch: rows and columns `min..max`, inside the picture, never empty.
@@ -55,7 +57,12 @@ impl Projector {
         let [x, y] = [frame.right, frame.up];
         let [right, up] = [frame.forward * frame.half_size.x, frame.forward * frame.half_size.y];
         let sides = [right + x, right - x, up + y, up - y];
-        Self { frame, near: (farthest * NEAR_SHARE).max(f32::MIN_POSITIVE), sides }
+        Self {
+            frame,
+            near: (farthest * NEAR_SHARE).max(f32::MIN_POSITIVE),
+            sides,
+            scale: 0.5 * frame.size / frame.half_size,
+        }
     }
 
     /// `x` of the camera-space direction, with z = 1, through the centres of a column of pixels.
@@ -86,11 +93,9 @@ impl Projector {
     /// Pixels from the top left, and 1 / z, which is linear on the screen.
     #[inline]
     pub fn screen(&self, p: Vec3) -> Vec3 {
-        let f = &self.frame;
         let w = 1.0 / p.z;
-        let x = (p.x * w / f.half_size.x + 1.0) * 0.5 * f.size.x;
-        let y = (1.0 - p.y * w / f.half_size.y) * 0.5 * f.size.y;
-        Vec3::new(x, y, w)
+        let middle = 0.5 * self.frame.size;
+        Vec3::new(middle.x + p.x * w * self.scale.x, middle.y - p.y * w * self.scale.y, w)
     }
 
     /// Where a box lies on the screen.
@@ -169,6 +174,7 @@ impl Projector {
     /// The edges of a box as lines on the screen (see [`Projector::screen`]), each once, clipped to what is seen.
     pub fn edges(&self, bounds: &Aabb, clipped: bool, mut draw: impl FnMut(Vec3, Vec3)) {
         let corners = self.corners(bounds);
+        let screen = corners.map(|corner| self.screen(corner));
         let extent = bounds.extent();
         for (axis, edges) in EDGES.iter().enumerate() {
             if extent[axis] == 0.0 {
@@ -179,9 +185,9 @@ impl Projector {
                 if (0..3).any(|other| other != axis && extent[other] == 0.0 && a >> other & 1 == 1) {
                     continue;
                 }
-                let seen =
-                    if clipped { self.clip(corners[a], corners[b]) } else { Some((corners[a], corners[b])) };
-                if let Some((a, b)) = seen {
+                if !clipped {
+                    draw(screen[a], screen[b]);
+                } else if let Some((a, b)) = self.clip(corners[a], corners[b]) {
                     draw(self.screen(a), self.screen(b));
                 }
             }

@@ -1,6 +1,5 @@
 //! Which boxes are drawn: level by level through the tree, in parallel, and the same ones at any thread count.
 
-use glam::Vec3;
 use rayon::prelude::*;
 
 use super::color::SHARE_SPAN;
@@ -218,10 +217,7 @@ impl<const N: usize> Walk<'_, N> {
     fn descend(&self, node_idx: u32, fate: Fate, found: &mut Found) {
         let node = &self.tree.nodes[node_idx as usize];
         for (slot, &child) in node.children.iter().enumerate().take_while(|(_, c)| !c.is_empty()) {
-            let bounds = Aabb::new(
-                Vec3::from_array(node.child_min.map(|axis| axis[slot])),
-                Vec3::from_array(node.child_max.map(|axis| axis[slot])),
-            );
+            let bounds = node.child_bounds(slot);
             found.next.push(Reached { child, bounds, fate });
         }
     }

@@ -23,7 +23,7 @@ const FLOOR_SQUARES: f32 = 12.0;
 
 pub(super) fn make() -> Scene {
     let mut scene = Assembly::new("bunny");
-    let fur = scene.matt("bunny", Vec3::new(0.80, 0.73, 0.64));
+    let fur = scene.matt("bunny", Vec3::new(0.84, 0.79, 0.72));
     let (positions, normals) = scene.mesh(mesh(), fur);
     let motion = Motion::Twist { center: PLACE, amplitude: 1.1, rate: 1.3 };
     scene.track(Track::Vertices { positions, normals, motion });
@@ -75,10 +75,10 @@ fn add_room(scene: &mut Assembly) {
     };
     let floor = scene.surface("floor", checker, 0.3);
     let ceiling = scene.matt("ceiling", Vec3::new(0.82, 0.79, 0.74));
-    let plaster = scene.matt("plaster", Vec3::new(0.78, 0.67, 0.54));
+    let plaster = scene.matt("plaster", Vec3::new(0.66, 0.52, 0.40));
     let terracotta = scene.matt("terracotta", Vec3::new(0.68, 0.32, 0.20));
     let sage = scene.matt("sage", Vec3::new(0.36, 0.50, 0.42));
-    let light = scene.emissive("light", Vec3::new(8.2, 7.4, 6.3));
+    let light = scene.emissive("light", Vec3::new(7.0, 6.4, 5.5));
 
     scene.quad(ROOM_MIN, z, x, floor);
     scene.quad(ROOM_MIN + y, x, z, ceiling);

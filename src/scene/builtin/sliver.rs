@@ -10,9 +10,10 @@ use crate::geometry::Aabb;
 use crate::scene::assembly::Assembly;
 use crate::scene::{Camera, Mesh, Scene, UpAxis};
 
-const COUNT: usize = 12_000;
+/// More of them would show no more, and trace for minutes.
+const COUNT: usize = 3000;
 const SEED: u64 = 0x51_17_3B;
-const WIDTH: f32 = 0.007;
+const WIDTH: f32 = 0.014;
 /// The four diagonals of a cube, each with its colour.
 const DIAGONALS: [(Vec3, Vec3); 4] = [
     (Vec3::new(1.0, 1.0, 1.0), Vec3::new(0.86, 0.62, 0.26)),

@@ -1,0 +1,157 @@
+//! Which instructions rays are traced with: found once when the program starts, or forced, and passed on as a value.
+//!
+//! The vectors are those of `fearless_simd`: the same code for every level, compiled once for each. Every operation used
+//! here rounds as its scalar twin does and no multiplication is fused with an addition, so all levels give the same
+//! answers and count the same visits, bit for bit.
+
+use fearless_simd::{Fallback, Level, SimdFloat, prelude::*};
+
+/// A set of instructions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SimdLevel {
+    Scalar,
+    #[serde(rename = "sse4.2")]
+    Sse42,
+    /// With FMA (which is not used), BMI and POPCNT.
+    Avx2,
+    /// That of Ice Lake and later.
+    Avx512,
+    Neon,
+}
+
+impl SimdLevel {
+    pub const ALL: [Self; 5] = [Self::Scalar, Self::Sse42, Self::Avx2, Self::Avx512, Self::Neon];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scalar => "scalar",
+            Self::Sse42 => "sse4.2",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+            Self::Neon => "neon",
+        }
+    }
+
+    /// The best that this processor has.
+    pub fn detect() -> Self {
+        Self::ALL.into_iter().rev().find(|level| level.is_available()).unwrap_or(Self::Scalar)
+    }
+
+    pub fn is_available(self) -> bool {
+        SimdToken::new(self).is_some()
+    }
+}
+
+/// Proof that a level is there.
+#[derive(Clone, Copy, Debug)]
+pub enum SimdToken {
+    Scalar(Fallback),
+    #[cfg(target_arch = "x86_64")]
+    Sse42(fearless_simd::Sse4_2),
+    #[cfg(target_arch = "x86_64")]
+    Avx2(fearless_simd::Avx2),
+    #[cfg(target_arch = "x86_64")]
+    Avx512(fearless_simd::Avx512),
+    #[cfg(target_arch = "aarch64")]
+    Neon(fearless_simd::Neon),
+}
+
+impl SimdToken {
+    /// `None` if this processor does not have that level.
+    pub fn new(level: SimdLevel) -> Option<Self> {
+        let found = Level::new();
+        match level {
+            SimdLevel::Scalar => Some(Self::Scalar(Fallback::new())),
+            #[cfg(target_arch = "x86_64")]
+            SimdLevel::Sse42 => found.as_sse4_2().map(Self::Sse42),
+            #[cfg(target_arch = "x86_64")]
+            SimdLevel::Avx2 => found.as_avx2().map(Self::Avx2),
+            #[cfg(target_arch = "x86_64")]
+            SimdLevel::Avx512 => found.as_avx512().map(Self::Avx512),
+            #[cfg(target_arch = "aarch64")]
+            SimdLevel::Neon => found.as_neon().map(Self::Neon),
+            #[cfg(not(target_arch = "x86_64"))]
+            SimdLevel::Sse42 | SimdLevel::Avx2 | SimdLevel::Avx512 => None,
+            #[cfg(not(target_arch = "aarch64"))]
+            SimdLevel::Neon => None,
+        }
+    }
+
+    /// The best that this processor has.
+    pub fn detect() -> Self {
+        Self::new(SimdLevel::detect()).expect("it was found to be there")
+    }
+
+    pub fn level(self) -> SimdLevel {
+        match self {
+            Self::Scalar(_) => SimdLevel::Scalar,
+            #[cfg(target_arch = "x86_64")]
+            Self::Sse42(_) => SimdLevel::Sse42,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(_) => SimdLevel::Avx2,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512(_) => SimdLevel::Avx512,
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon(_) => SimdLevel::Neon,
+        }
+    }
+}
+
+/// Keeps the code for a rare level out of its caller.
+#[inline(never)]
+pub fn apart<R>(run: impl FnOnce() -> R) -> R {
+    run()
+}
+
+/// Runs an expression compiled for a level, with its token.
+#[macro_export]
+macro_rules! at_level {
+    ($simd:expr, $token:ident => $body:expr) => {
+        match $simd {
+            $crate::accel::simd::SimdToken::Scalar($token) => $crate::accel::simd::apart(|| $body),
+            #[cfg(target_arch = "x86_64")]
+            $crate::accel::simd::SimdToken::Sse42($token) => fearless_simd::Simd::vectorize(
+                $token,
+                #[inline(always)]
+                || $body,
+            ),
+            #[cfg(target_arch = "x86_64")]
+            $crate::accel::simd::SimdToken::Avx2($token) => fearless_simd::Simd::vectorize(
+                $token,
+                #[inline(always)]
+                || $body,
+            ),
+            #[cfg(target_arch = "x86_64")]
+            $crate::accel::simd::SimdToken::Avx512($token) => fearless_simd::Simd::vectorize(
+                $token,
+                #[inline(always)]
+                || $body,
+            ),
+            #[cfg(target_arch = "aarch64")]
+            $crate::accel::simd::SimdToken::Neon($token) => fearless_simd::Simd::vectorize(
+                $token,
+                #[inline(always)]
+                || $body,
+            ),
+        }
+    };
+}
+
+/// In every lane `a` where it is greater, else `b`: also where `a` is NaN.
+#[inline(always)]
+pub fn greater_or<S: fearless_simd::Simd, V: SimdFloat<S, Element = f32>>(simd: S, a: V, b: V) -> V {
+    if max_takes_second(simd) { a.max(b) } else { a.simd_gt(b).select(a, b) }
+}
+
+/// In every lane `a` where it is less, else `b`: also where `a` is NaN.
+#[inline(always)]
+pub fn less_or<S: fearless_simd::Simd, V: SimdFloat<S, Element = f32>>(simd: S, a: V, b: V) -> V {
+    if max_takes_second(simd) { a.min(b) } else { a.simd_lt(b).select(a, b) }
+}
+
+/// Whether the level's `max` and `min` answer the second operand when one is NaN or both are zeros: those of x86 do.
+#[inline(always)]
+fn max_takes_second<S: fearless_simd::Simd>(simd: S) -> bool {
+    cfg!(target_arch = "x86_64") && !simd.level().is_fallback()
+}

@@ -1,0 +1,232 @@
+//! The box test of one ray against all children of a node at once: the arithmetic of [`Slabs`], lane by lane.
+
+use fearless_simd::{Simd, SimdFloat, f32x4, f32x8, prelude::*};
+use glam::Vec3;
+
+use crate::accel::simd::{greater_or, less_or};
+use crate::accel::tree::WideNode;
+use crate::geometry::{Aabb, PreparedRay, Slabs};
+
+/// A ray before it enters a tree: [`Slabs`] for the tree's box, computed on all axes at once.
+#[derive(Clone, Copy)]
+pub struct TreeRay {
+    near_origin: [f32; 4],
+    far_origin: [f32; 4],
+    inv_direction: [f32; 4],
+    t_min: f32,
+    /// Bit i is set if the ray enters boxes through their maximum along axis i. Also for a direction of -0, whose inverse
+    /// is -infinity.
+    flipped: usize,
+}
+
+impl TreeRay {
+    /// `None` for a ray that is nowhere inside the box between its `t_min` and `t_max`.
+    #[inline(always)]
+    pub fn new<S: Simd>(simd: S, ray: &PreparedRay, bounds: &Aabb, t_max: f32) -> Option<Self> {
+        let lanes = |v: Vec3, fourth: f32| f32x4::simd_from(simd, [v.x, v.y, v.z, fourth]);
+        let spread = |value: f32| f32x4::simd_from(simd, value);
+        let (origin, inv) = (lanes(ray.ray.origin, 0.0), lanes(ray.inv_direction, 0.0));
+        let (min, max) = (lanes(bounds.min, 0.0), lanes(bounds.max, 0.0));
+        let reach = most((min - origin).abs().max((max - origin).abs()));
+        let margin = reach * spread(Slabs::MARGIN) + origin.abs() * spread(f32::EPSILON);
+        let outwards = margin.copysign(inv);
+        let (near_origin, far_origin) = (origin + outwards, origin - outwards);
+        let flipped = inv.simd_lt(spread(0.0));
+        let near = (flipped.select(max, min) - near_origin) * inv;
+        let far = (flipped.select(min, max) - far_origin) * inv;
+        // The fourth lanes are 0 here, and t_min and t_max are not passed by a NaN.
+        let near = greater_or(simd, near, spread(f32::NEG_INFINITY));
+        let far = less_or(simd, far, spread(f32::INFINITY));
+        let [near_x, near_y, near_z, _] = near.to_array();
+        let [far_x, far_y, far_z, _] = far.to_array();
+        let enter = near_x.max(near_y).max(near_z).max(ray.ray.t_min);
+        let leave = far_x.min(far_y).min(far_z).min(t_max);
+        (enter <= leave).then_some(Self {
+            near_origin: near_origin.to_array(),
+            far_origin: far_origin.to_array(),
+            inv_direction: inv.to_array(),
+            t_min: ray.ray.t_min,
+            flipped: flipped.to_bitmask() as usize,
+        })
+    }
+
+    /// Rows of [`WideNode::sides`] through which the ray enters, an axis each.
+    #[inline(always)]
+    fn near_side(&self, axis: usize) -> usize {
+        axis + 3 * (self.flipped >> axis & 1)
+    }
+
+    /// Rows of [`WideNode::sides`] through which the ray leaves, an axis each.
+    #[inline(always)]
+    fn far_side(&self, axis: usize) -> usize {
+        axis + 3 * (!self.flipped >> axis & 1)
+    }
+}
+
+/// The largest lane, in all lanes.
+#[inline(always)]
+fn most<S: Simd>(v: f32x4<S>) -> f32x4<S> {
+    let pairs = v.max(v.rotate_elements_left::<2>());
+    pairs.max(pairs.rotate_elements_left::<1>())
+}
+
+/// The children of a node that a ray enters before its end.
+pub struct Entered<const N: usize> {
+    /// Bit i for slot i.
+    pub slots: u32,
+    /// Where it enters each; without meaning for the others.
+    pub entries: [f32; N],
+}
+
+/// A node whose children's boxes are tested together.
+pub trait BoxLanes<S: Simd, const N: usize> {
+    /// What the test needs of a ray, prepared once for a tree.
+    type Ray: Copy;
+
+    fn spread(simd: S, ray: &TreeRay) -> Self::Ray;
+
+    fn enter(&self, simd: S, ray: &Self::Ray, t_max: f32) -> Entered<N>;
+}
+
+/// A ray spread over the lanes of as many boxes.
+#[derive(Clone, Copy)]
+pub struct LaneSlabs<V> {
+    near_origin: [V; 3],
+    far_origin: [V; 3],
+    inv_direction: [V; 3],
+    t_min: V,
+    /// Rows of [`WideNode::sides`] through which the ray enters and leaves, an axis each.
+    near_side: [usize; 3],
+    far_side: [usize; 3],
+}
+
+/// Each axis in all lanes.
+#[inline(always)]
+fn spread<S: Simd, V: SimdFloat<S, Element = f32>>(simd: S, [x, y, z, _]: [f32; 4]) -> [V; 3] {
+    [V::simd_from(simd, x), V::simd_from(simd, y), V::simd_from(simd, z)]
+}
+
+impl<V> LaneSlabs<V> {
+    #[inline(always)]
+    fn new<S: Simd>(simd: S, ray: &TreeRay) -> Self
+    where
+        V: SimdFloat<S, Element = f32>,
+    {
+        Self {
+            near_origin: spread(simd, ray.near_origin),
+            far_origin: spread(simd, ray.far_origin),
+            inv_direction: spread(simd, ray.inv_direction),
+            t_min: V::simd_from(simd, ray.t_min),
+            near_side: [ray.near_side(0), ray.near_side(1), ray.near_side(2)],
+            far_side: [ray.far_side(0), ray.far_side(1), ray.far_side(2)],
+        }
+    }
+
+    /// The comparisons keep a NaN out (0 * infinity: the ray lies in a side's plane), so such a side never rejects.
+    #[inline(always)]
+    fn enter<S: Simd, const N: usize>(&self, simd: S, sides: &[[f32; N]; 6], t_max: f32) -> Entered<N>
+    where
+        V: SimdFloat<S, Element = f32, Array = [f32; N]>,
+    {
+        let mut near = self.t_min;
+        let mut far = V::simd_from(simd, t_max);
+        for axis in 0..3 {
+            let side = V::load_array_ref(simd, &sides[self.near_side[axis]]);
+            near = greater_or(simd, (side - self.near_origin[axis]) * self.inv_direction[axis], near);
+            let side = V::load_array_ref(simd, &sides[self.far_side[axis]]);
+            far = less_or(simd, (side - self.far_origin[axis]) * self.inv_direction[axis], far);
+        }
+        Entered { slots: near.simd_le(far).to_bitmask() as u32, entries: near.to_array() }
+    }
+}
+
+impl<S: Simd> BoxLanes<S, 8> for WideNode<8> {
+    type Ray = LaneSlabs<f32x8<S>>;
+
+    #[inline(always)]
+    fn spread(simd: S, ray: &TreeRay) -> Self::Ray {
+        LaneSlabs::new(simd, ray)
+    }
+
+    #[inline(always)]
+    fn enter(&self, simd: S, ray: &Self::Ray, t_max: f32) -> Entered<8> {
+        ray.enter(simd, &self.sides, t_max)
+    }
+}
+
+impl<S: Simd> BoxLanes<S, 4> for WideNode<4> {
+    type Ray = LaneSlabs<f32x4<S>>;
+
+    #[inline(always)]
+    fn spread(simd: S, ray: &TreeRay) -> Self::Ray {
+        LaneSlabs::new(simd, ray)
+    }
+
+    #[inline(always)]
+    fn enter(&self, simd: S, ray: &Self::Ray, t_max: f32) -> Entered<4> {
+        ray.enter(simd, &self.sides, t_max)
+    }
+}
+
+#[inline(always)]
+fn pairs<S: Simd>(simd: S, a: f32, b: f32) -> f32x4<S> {
+    f32x4::simd_from(simd, [a, a, b, b])
+}
+
+/// A ray for two boxes, their x beside their y, and their near z beside their far z.
+#[derive(Clone, Copy)]
+pub struct PairSlabs<S: Simd> {
+    near_origin_xy: f32x4<S>,
+    far_origin_xy: f32x4<S>,
+    origin_z: f32x4<S>,
+    inv_direction_xy: f32x4<S>,
+    inv_direction_z: f32x4<S>,
+    t_min: f32x4<S>,
+    near_side: [usize; 3],
+    far_side: [usize; 3],
+}
+
+impl WideNode<2> {
+    /// Two sides of both boxes.
+    #[inline(always)]
+    fn pair<S: Simd>(&self, simd: S, a: usize, b: usize) -> f32x4<S> {
+        let ([a0, a1], [b0, b1]) = (self.sides[a], self.sides[b]);
+        f32x4::simd_from(simd, [a0, a1, b0, b1])
+    }
+}
+
+impl<S: Simd> BoxLanes<S, 2> for WideNode<2> {
+    type Ray = PairSlabs<S>;
+
+    #[inline(always)]
+    fn spread(simd: S, ray: &TreeRay) -> PairSlabs<S> {
+        let TreeRay { near_origin: near, far_origin: far, inv_direction: inv, t_min, .. } = *ray;
+        PairSlabs {
+            near_origin_xy: pairs(simd, near[0], near[1]),
+            far_origin_xy: pairs(simd, far[0], far[1]),
+            origin_z: pairs(simd, near[2], far[2]),
+            inv_direction_xy: pairs(simd, inv[0], inv[1]),
+            inv_direction_z: pairs(simd, inv[2], inv[2]),
+            t_min: f32x4::simd_from(simd, t_min),
+            near_side: [ray.near_side(0), ray.near_side(1), ray.near_side(2)],
+            far_side: [ray.far_side(0), ray.far_side(1), ray.far_side(2)],
+        }
+    }
+
+    #[inline(always)]
+    fn enter(&self, simd: S, ray: &PairSlabs<S>, t_max: f32) -> Entered<2> {
+        let [near_x, near_y, near_z] = ray.near_side;
+        let [far_x, far_y, far_z] = ray.far_side;
+        let near_xy = (self.pair(simd, near_x, near_y) - ray.near_origin_xy) * ray.inv_direction_xy;
+        let far_xy = (self.pair(simd, far_x, far_y) - ray.far_origin_xy) * ray.inv_direction_xy;
+        let z = (self.pair(simd, near_z, far_z) - ray.origin_z) * ray.inv_direction_z;
+        let near = greater_or(simd, near_xy, ray.t_min);
+        let near = greater_or(simd, near.rotate_elements_left::<2>(), near);
+        let near = greater_or(simd, z, near);
+        let far = less_or(simd, far_xy, f32x4::simd_from(simd, t_max));
+        let far = less_or(simd, far.rotate_elements_left::<2>(), far);
+        let far = less_or(simd, z.rotate_elements_left::<2>(), far);
+        let [a, b, _, _] = near.to_array();
+        Entered { slots: near.simd_le(far).to_bitmask() as u32 & 0b11, entries: [a, b] }
+    }
+}
