@@ -89,9 +89,13 @@ impl Cuboid {
         self.intersect_within(ray, ray.ray.t_min, ray.ray.t_max)
     }
 
-    /// As [`Cuboid::intersect`] with another interval. The hit's `u` is the number of the face.
-    #[inline]
+    /// As [`Cuboid::intersect`] with another interval.
     pub fn intersect_within(&self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<ShapeHit> {
+        self.intersect_in(ray, &Span::new(ray, &self.bounds(), t_min, t_max)?)
+    }
+
+    /// The hit in a span of the ray that was made for the cuboid's own box. The hit's `u` is the number of the face.
+    pub fn intersect_in(&self, ray: &PreparedRay, span: &Span) -> Option<ShapeHit> {
         let (world, half) = self.placed();
         let origin = world.inverse_point(ray.ray.origin.as_dvec3());
         let direction = world.inverse_vector(ray.ray.direction.as_dvec3());
@@ -114,7 +118,6 @@ impl Cuboid {
         if !(enter <= leave && enter.is_finite() && leave.is_finite()) {
             return None;
         }
-        let span = Span::new(ray, &self.bounds(), t_min, t_max)?;
         let hit = |t: f64, face: Face| span.place(t).map(|t| ShapeHit { t, u: face.number(), v: 0.0 });
         hit(enter, enter_face).or_else(|| hit(leave, leave_face))
     }

@@ -27,7 +27,7 @@ pub use plane::Plane;
 pub use quad::Quad;
 pub use ray::{Hit, PreparedRay, Ray};
 pub use shape::{Shape, ShapeHit, ShapeKind, SurfacePoint, SurfaceSample, leave_surface};
-pub use slabs::Slabs;
+pub use slabs::{Slabs, Span};
 pub use sphere::Sphere;
 pub use torus::Torus;
 pub use transform::Rigid;

@@ -40,9 +40,13 @@ impl Quad {
         self.intersect_within(ray, ray.ray.t_min, ray.ray.t_max)
     }
 
-    /// As [`Quad::intersect`] with another interval. The hit's `u` and `v` are the shares of the edges.
-    #[inline]
+    /// As [`Quad::intersect`] with another interval.
     pub fn intersect_within(&self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<ShapeHit> {
+        self.intersect_in(ray, &Span::new(ray, &self.bounds(), t_min, t_max)?)
+    }
+
+    /// The hit in a span of the ray that was made for the quad's own box. The hit's `u` and `v` are the shares of the edges.
+    pub fn intersect_in(&self, ray: &PreparedRay, span: &Span) -> Option<ShapeHit> {
         let (corner, edge_u, edge_v) = self.in_double();
         let (origin, direction) = (ray.ray.origin.as_dvec3(), ray.ray.direction.as_dvec3());
         let normal = edge_u.cross(edge_v);
@@ -56,7 +60,7 @@ impl Quad {
         if !(edge.contains(&u) && edge.contains(&v)) {
             return None;
         }
-        let t = Span::new(ray, &self.bounds(), t_min, t_max)?.place(t)?;
+        let t = span.place(t)?;
         Some(ShapeHit { t, u: u.clamp(0.0, 1.0) as f32, v: v.clamp(0.0, 1.0) as f32 })
     }
 

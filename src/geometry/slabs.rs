@@ -77,11 +77,11 @@ pub struct Span {
 }
 
 impl Span {
-    /// `None` if the ray misses the box.
+    /// `None` if the ray misses the box, or is inside it only before `t_min` or behind `t_max`.
     #[inline]
     pub fn new(ray: &PreparedRay, own_bounds: &Aabb, t_min: f32, t_max: f32) -> Option<Self> {
         let (enter, leave) = Slabs::new(ray, own_bounds).interval(own_bounds);
-        (enter <= leave).then_some(Self { enter, leave, t_min, t_max })
+        (enter <= leave && enter <= t_max && leave >= t_min).then_some(Self { enter, leave, t_min, t_max })
     }
 
     /// The hit at `t` as it is reported: in single precision, confined to the box (which changes nothing unless the

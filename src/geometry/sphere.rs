@@ -31,10 +31,13 @@ impl Sphere {
     }
 
     /// As [`Sphere::intersect`] with another interval.
-    #[inline]
     pub fn intersect_within(&self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<ShapeHit> {
+        self.intersect_in(ray, &Span::new(ray, &self.bounds(), t_min, t_max)?)
+    }
+
+    /// The hit in a span of the ray that was made for the sphere's own box.
+    pub fn intersect_in(&self, ray: &PreparedRay, span: &Span) -> Option<ShapeHit> {
         let [near, far] = self.crossings(&ray.ray)?;
-        let span = Span::new(ray, &self.bounds(), t_min, t_max)?;
         let t = span.place(near).or_else(|| span.place(far))?;
         Some(ShapeHit { t, u: 0.0, v: 0.0 })
     }

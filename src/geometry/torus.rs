@@ -47,8 +47,12 @@ impl Torus {
 
     /// As [`Torus::intersect`] with another interval.
     pub fn intersect_within(&self, ray: &PreparedRay, t_min: f32, t_max: f32) -> Option<ShapeHit> {
+        self.intersect_in(ray, &Span::new(ray, &self.bounds(), t_min, t_max)?)
+    }
+
+    /// The hit in a span of the ray that was made for the torus's own box.
+    pub fn intersect_in(&self, ray: &PreparedRay, span: &Span) -> Option<ShapeHit> {
         let (major, minor) = self.radii();
-        let span = Span::new(ray, &self.bounds(), t_min, t_max)?;
         let world = self.world_from_object.exact();
         let size = major + minor;
         let origin = world.inverse_point(ray.ray.origin.as_dvec3()) / size;

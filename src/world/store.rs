@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::accel::tree::LeafRange;
 use crate::accel::{LeafIntersector, Probe, Tree};
-use crate::geometry::{Cuboid, Hit, PreparedRay, Quad, Shape, ShapeHit, Sphere, Torus};
+use crate::geometry::{Aabb, Cuboid, Hit, PreparedRay, Quad, Shape, ShapeHit, Span, Sphere, Torus};
 use crate::scene::Scene;
 use crate::task::{Cancelled, Task};
 
@@ -69,9 +69,10 @@ impl Range {
     }
 }
 
-/// A shape with its index in the scene.
+/// A shape with its box and its index in the scene.
 #[derive(Clone, Copy, Debug)]
 struct Stored<S> {
+    bounds: Aabb,
     geometry: S,
     shape: u32,
 }
@@ -113,13 +114,19 @@ impl PrimStore {
                 match scene.shape(shape) {
                     Shape::Triangle(triangle) => triangles.push((shape, triangle)),
                     Shape::Sphere(geometry) => {
-                        rest.spheres.push(&mut piece.spheres, Stored { geometry, shape });
+                        rest.spheres
+                            .push(&mut piece.spheres, Stored { bounds: geometry.bounds(), geometry, shape });
                     }
                     Shape::Cuboid(geometry) => {
-                        rest.cuboids.push(&mut piece.cuboids, Stored { geometry, shape });
+                        rest.cuboids
+                            .push(&mut piece.cuboids, Stored { bounds: geometry.bounds(), geometry, shape });
                     }
-                    Shape::Quad(geometry) => rest.quads.push(&mut piece.quads, Stored { geometry, shape }),
-                    Shape::Torus(geometry) => rest.tori.push(&mut piece.tori, Stored { geometry, shape }),
+                    Shape::Quad(geometry) => rest
+                        .quads
+                        .push(&mut piece.quads, Stored { bounds: geometry.bounds(), geometry, shape }),
+                    Shape::Torus(geometry) => {
+                        rest.tori.push(&mut piece.tori, Stored { bounds: geometry.bounds(), geometry, shape })
+                    }
                 }
             }
             let goes_on = triangles.len() < leaf.count as usize || triangles.len() > LANES;
@@ -194,10 +201,10 @@ impl PrimStore {
                 nearest_of_block(block, &lane_ray, t_min, hit, probe);
             }
             let query = Nearest { ray, t_min };
-            query.among(rest.spheres.of(&self.spheres), Sphere::intersect_within, hit, probe);
-            query.among(rest.cuboids.of(&self.cuboids), Cuboid::intersect_within, hit, probe);
-            query.among(rest.quads.of(&self.quads), Quad::intersect_within, hit, probe);
-            query.among(rest.tori.of(&self.tori), Torus::intersect_within, hit, probe);
+            query.among(rest.spheres.of(&self.spheres), Sphere::intersect_in, hit, probe);
+            query.among(rest.cuboids.of(&self.cuboids), Cuboid::intersect_in, hit, probe);
+            query.among(rest.quads.of(&self.quads), Quad::intersect_in, hit, probe);
+            query.among(rest.tori.of(&self.tori), Torus::intersect_in, hit, probe);
         }
     }
 
@@ -222,10 +229,10 @@ impl PrimStore {
         let query = Any { ray, t_min, blocks };
         let mut more = rest.blocks.of(&self.more_blocks).iter();
         more.find_map(|block| any_of_block(block, &lane_ray, t_min, blocks, probe))
-            .or_else(|| query.among(rest.spheres.of(&self.spheres), Sphere::intersect_within, probe))
-            .or_else(|| query.among(rest.cuboids.of(&self.cuboids), Cuboid::intersect_within, probe))
-            .or_else(|| query.among(rest.quads.of(&self.quads), Quad::intersect_within, probe))
-            .or_else(|| query.among(rest.tori.of(&self.tori), Torus::intersect_within, probe))
+            .or_else(|| query.among(rest.spheres.of(&self.spheres), Sphere::intersect_in, probe))
+            .or_else(|| query.among(rest.cuboids.of(&self.cuboids), Cuboid::intersect_in, probe))
+            .or_else(|| query.among(rest.quads.of(&self.quads), Quad::intersect_in, probe))
+            .or_else(|| query.among(rest.tori.of(&self.tori), Torus::intersect_in, probe))
     }
 }
 
@@ -284,14 +291,15 @@ impl<T: Fn(u32) -> f32> Nearest<'_, T> {
     fn among<S, P: Probe>(
         &self,
         stored: &[Stored<S>],
-        test: impl Fn(&S, &PreparedRay, f32, f32) -> Option<ShapeHit>,
+        test: impl Fn(&S, &PreparedRay, &Span) -> Option<ShapeHit>,
         hit: &mut Hit,
         probe: &mut P,
     ) {
-        for Stored { geometry, shape } in stored {
+        for Stored { bounds, geometry, shape } in stored {
             probe.shapes_tested(1);
-            let answer = test(geometry, self.ray, (self.t_min)(*shape), hit.t);
-            keep(hit, *shape, answer);
+            if let Some(span) = Span::new(self.ray, bounds, (self.t_min)(*shape), hit.t) {
+                keep(hit, *shape, test(geometry, self.ray, &span));
+            }
         }
     }
 }
@@ -308,12 +316,14 @@ impl<T: Fn(u32) -> f32, B: Fn(u32) -> bool> Any<'_, T, B> {
     fn among<S, P: Probe>(
         &self,
         stored: &[Stored<S>],
-        test: impl Fn(&S, &PreparedRay, f32, f32) -> Option<ShapeHit>,
+        test: impl Fn(&S, &PreparedRay, &Span) -> Option<ShapeHit>,
         probe: &mut P,
     ) -> Option<u32> {
-        stored.iter().filter(|s| (self.blocks)(s.shape)).find_map(|Stored { geometry, shape }| {
+        let mut blocking = stored.iter().filter(|s| (self.blocks)(s.shape));
+        blocking.find_map(|Stored { bounds, geometry, shape }| {
             probe.shapes_tested(1);
-            test(geometry, self.ray, (self.t_min)(*shape), self.ray.ray.t_max).map(|_| *shape)
+            let span = Span::new(self.ray, bounds, (self.t_min)(*shape), self.ray.ray.t_max)?;
+            test(geometry, self.ray, &span).map(|_| *shape)
         })
     }
 }
