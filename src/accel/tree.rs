@@ -128,6 +128,18 @@ impl<const N: usize> WideNode<N> {
 }
 
 impl<const N: usize> WideBvh<N> {
+    /// A tree over nothing.
+    pub fn empty() -> Self {
+        Self {
+            root: ChildRef::EMPTY,
+            bounds: Aabb::EMPTY,
+            nodes: Vec::new(),
+            leaves: Vec::new(),
+            refs: Vec::new(),
+            depth_max: 0,
+        }
+    }
+
     /// The id of what a slot points at; `None` for an empty slot.
     pub fn node_id(&self, child: ChildRef) -> Option<NodeId> {
         let inner = child.as_inner().map(NodeId);

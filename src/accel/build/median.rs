@@ -1,21 +1,20 @@
 //! Object median: the longest axis of the node's box, sorted by centroid, split at the middle.
 
-use crate::geometry::Aabb;
-
+use super::bound::Bound;
 use super::order::Order;
-use super::top_down::{Candidate, Splitter};
+use super::top_down::{Split, Splitter};
 
-/// Always follows the stop rule `limit`: its splits have no price to weigh.
+/// Finds no split of its own, so that every node is split at the object median. Always follows the stop rule `limit`:
+/// its splits have no price to weigh.
 pub struct Median;
 
 impl<O: Order> Splitter<O> for Median {
     const WEIGHS_COST: bool = false;
+    type Plan = ();
 
-    fn find(&self, _order: &mut O, bounds: &Aabb) -> Option<Candidate> {
-        Some(Candidate { axis: bounds.longest_axis(), position: 0, cost: 0.0, scale: 0.0, origin: 0.0 })
+    fn find(&self, _order: &mut O, _bounds: &Bound) -> Option<Split<()>> {
+        None
     }
 
-    fn apply(&self, order: &mut O, split: &Candidate) -> usize {
-        order.split_middle(split.axis)
-    }
+    fn apply(&self, _order: &mut O, (): &()) {}
 }

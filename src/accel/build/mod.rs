@@ -1,8 +1,11 @@
 //! One file per builder behind [`Builder`](super::Builder); boxes and a configuration in, a tree and a report out.
 
 mod binned;
+mod bound;
+mod few;
 mod median;
 mod order;
+mod segment;
 mod sweep;
 mod top_down;
 
@@ -12,16 +15,15 @@ use crate::geometry::Aabb;
 use crate::task::{Cancelled, Task};
 
 use super::config::{BuildConfig, Builder, Width};
-use super::tree::{Bvh2, Tree};
-use super::widen::widen;
+use super::tree::{Tree, WideBvh};
 
 pub use binned::bin_index;
 
 /// A stage of a build, with its wall time.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct BuildPhase {
-    /// `prepare` (copy or sort the boxes), `split` (find and make all splits), `layout` (nodes in depth-first order),
-    /// `widen` (nodes of the wanted width).
+    /// `prepare` (copy or sort the boxes), `split` (find and make all splits), `layout` (what was built side by side put
+    /// together in depth-first order).
     pub name: &'static str,
     pub ms: f64,
 }
@@ -64,25 +66,23 @@ impl PhaseClock {
 pub fn build(boxes: &[Aabb], config: &BuildConfig, task: &Task) -> Result<(Tree, BuildReport), Cancelled> {
     config.check().expect("a build configuration is checked where it is given");
     let mut clock = PhaseClock::start();
-    let bvh = build_binary(boxes, config, task, &mut clock)?;
+    task.start(boxes.len() as u64);
     let tree = match config.width {
-        Width::W2 => Tree::W2(widen(&bvh, config.widen, task)?),
-        Width::W4 => Tree::W4(widen(&bvh, config.widen, task)?),
-        Width::W8 => Tree::W8(widen(&bvh, config.widen, task)?),
+        Width::W2 => Tree::W2(build_wide(boxes, config, task, &mut clock)?),
+        Width::W4 => Tree::W4(build_wide(boxes, config, task, &mut clock)?),
+        Width::W8 => Tree::W8(build_wide(boxes, config, task, &mut clock)?),
     };
-    clock.finish("widen");
     let build_ms = clock.phases.iter().map(|p| p.ms).sum();
     let threads = rayon::current_num_threads();
     Ok((tree, BuildReport { config: *config, phases: clock.phases, build_ms, threads }))
 }
 
-fn build_binary(
+fn build_wide<const N: usize>(
     boxes: &[Aabb],
     config: &BuildConfig,
     task: &Task,
     clock: &mut PhaseClock,
-) -> Result<Bvh2, Cancelled> {
-    task.start(boxes.len() as u64);
+) -> Result<WideBvh<N>, Cancelled> {
     match config.builder {
         Builder::Median => {
             let mut refs = order::build_refs(boxes);

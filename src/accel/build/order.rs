@@ -1,18 +1,24 @@
 //! The references of a node while a tree is built: a slice that splits in two.
 
+use std::ops::Range;
+
+use glam::Vec4;
 use rayon::prelude::*;
 
 use crate::geometry::Aabb;
 
-/// Below this many references a loop over them is not worth sharing among threads.
+use super::bound::Bound;
+
+/// Below this many references a loop over them is not worth sharing among threads. One such piece takes well under a
+/// millisecond.
 pub const PARALLEL_MIN: usize = 16 * 1024;
 
 /// What a top-down builder splits: the references of one node.
 pub trait Order: Send + Sized {
     fn len(&self) -> usize;
 
-    /// The box around all references.
-    fn bounds(&self) -> Aabb;
+    /// The box around some of the references.
+    fn bounds(&self, range: Range<usize>) -> Bound;
 
     /// The shape of the `i`-th reference in the current order.
     fn shape(&self, i: usize) -> u32;
@@ -25,38 +31,57 @@ pub trait Order: Send + Sized {
     fn split_at(self, mid: usize) -> (Self, Self);
 }
 
-/// A box with its shape.
+/// A box with its shape, whose index is kept in the box's last lane.
 #[derive(Clone, Copy, Debug)]
 pub struct BuildRef {
-    pub bounds: Aabb,
-    pub shape: u32,
+    pub bound: Bound,
 }
+
+/// Added to a shape's index, so that the lane holds a number from 1 up, and no passing difference is denormal:
+/// arithmetic on denormal numbers is slow even in lanes that mean nothing.
+const SHAPE_BIAS: u32 = 0x3f80_0000;
+/// Most shapes, so that the lane holds a finite number.
+const MOST_SHAPES: usize = 1 << 30;
 
 impl BuildRef {
     #[inline]
-    pub fn center(&self) -> glam::Vec3 {
-        self.bounds.center()
+    pub fn new(bounds: &Aabb, shape: u32) -> Self {
+        let shape = f32::from_bits(shape + SHAPE_BIAS);
+        Self { bound: Bound { min: bounds.min.extend(0.0), max: bounds.max.extend(shape) } }
+    }
+
+    #[inline]
+    pub fn shape(&self) -> u32 {
+        self.bound.max.w.to_bits() - SHAPE_BIAS
+    }
+
+    /// As [`Aabb::center`], bit for bit.
+    #[inline(always)]
+    pub fn center(&self) -> Vec4 {
+        self.bound.min * 0.5 + self.bound.max * 0.5
     }
 }
 
 /// One reference a box.
 ///
 /// # Panics
-/// If a box is empty or not finite.
+/// If a box is empty or not finite, or there are more than [`MOST_SHAPES`].
 pub fn build_refs(boxes: &[Aabb]) -> Vec<BuildRef> {
+    assert!(boxes.len() <= MOST_SHAPES, "{} shapes are too many for one tree", boxes.len());
     boxes
         .par_iter()
         .with_min_len(PARALLEL_MIN)
         .enumerate()
-        .map(|(shape, &bounds)| {
-            check_box(&bounds, shape);
-            BuildRef { bounds, shape: shape as u32 }
+        .map(|(shape, bounds)| {
+            check_box(bounds, shape);
+            BuildRef::new(bounds, shape as u32)
         })
         .collect()
 }
 
 /// # Panics
 /// If the box is empty or not finite: loaders remove such shapes.
+#[inline]
 pub fn check_box(bounds: &Aabb, shape: usize) {
     assert!(bounds.is_finite() && !bounds.is_empty(), "shape {shape} has no finite box: {bounds:?}");
 }
@@ -77,25 +102,24 @@ impl Order for RefSlice<'_> {
         self.refs.len()
     }
 
-    fn bounds(&self) -> Aabb {
-        if self.refs.len() < PARALLEL_MIN {
-            return self.refs.iter().fold(Aabb::EMPTY, |b, r| b.union(r.bounds));
+    fn bounds(&self, range: Range<usize>) -> Bound {
+        let of = |refs: &[BuildRef]| refs.iter().fold(Bound::EMPTY, |b, r| b.union(r.bound));
+        let refs = &self.refs[range];
+        if refs.len() < PARALLEL_MIN {
+            return of(refs);
         }
-        self.refs
-            .par_chunks(PARALLEL_MIN)
-            .map(|chunk| chunk.iter().fold(Aabb::EMPTY, |b, r| b.union(r.bounds)))
-            .reduce(|| Aabb::EMPTY, Aabb::union)
+        refs.par_chunks(PARALLEL_MIN).map(of).reduce(|| Bound::EMPTY, Bound::union)
     }
 
     fn shape(&self, i: usize) -> u32 {
-        self.refs[i].shape
+        self.refs[i].shape()
     }
 
     fn split_middle(&mut self, axis: usize) -> usize {
         let mid = self.refs.len() / 2;
         self.refs.select_nth_unstable_by(mid, |a, b| {
             let (ca, cb) = (a.center()[axis], b.center()[axis]);
-            ca.total_cmp(&cb).then(a.shape.cmp(&b.shape))
+            ca.total_cmp(&cb).then(a.shape().cmp(&b.shape()))
         });
         mid
     }

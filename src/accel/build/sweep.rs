@@ -3,14 +3,16 @@
 //! References are sorted once an axis; a split keeps the three orders sorted by a stable partition, so that the whole
 //! build is O(n log n) (Wald and Havran, "On building fast kd-Trees for Ray Tracing", 2006, for boxes instead of planes).
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
 use crate::geometry::Aabb;
 
+use super::bound::Bound;
 use super::order::{Order, PARALLEL_MIN, check_box};
-use super::top_down::{Candidate, Splitter};
+use super::top_down::{Split, Splitter};
 
 /// The arrays that all nodes of a build share in slices.
 pub struct SweepArrays {
@@ -101,6 +103,14 @@ impl SweepOrder<'_> {
         best
     }
 
+    /// The box around a range of the references sorted along an axis.
+    fn bounds_along(&self, axis: usize, range: Range<usize>) -> Bound {
+        self.sorted[axis][range]
+            .iter()
+            .fold(Aabb::EMPTY, |b, &shape| b.union(self.boxes[shape as usize]))
+            .into()
+    }
+
     /// Puts the first `mid` references along `axis` before the others in all three orders, which stay sorted.
     fn partition(&mut self, axis: usize, mid: usize) {
         for (i, &shape) in self.sorted[axis].iter().enumerate() {
@@ -128,8 +138,8 @@ impl Order for SweepOrder<'_> {
         self.sorted[0].len()
     }
 
-    fn bounds(&self) -> Aabb {
-        self.sorted[0].iter().fold(Aabb::EMPTY, |b, &shape| b.union(self.boxes[shape as usize]))
+    fn bounds(&self, range: Range<usize>) -> Bound {
+        self.bounds_along(0, range)
     }
 
     fn shape(&self, i: usize) -> u32 {
@@ -158,27 +168,41 @@ impl Order for SweepOrder<'_> {
 /// The full sweep. An axis along which all centroids are equal is skipped.
 pub struct Sweep;
 
+/// The first `position` references along `axis` go to the left.
+#[derive(Clone, Copy, Debug)]
+pub struct SortedSplit {
+    axis: usize,
+    position: usize,
+}
+
 impl Splitter<SweepOrder<'_>> for Sweep {
     const WEIGHS_COST: bool = true;
+    type Plan = SortedSplit;
 
-    fn find(&self, order: &mut SweepOrder<'_>, _bounds: &Aabb) -> Option<Candidate> {
-        let mut best: Option<Candidate> = None;
+    fn find(&self, order: &mut SweepOrder<'_>, _bounds: &Bound) -> Option<Split<SortedSplit>> {
+        let count = order.len();
+        let mut best: Option<(f32, SortedSplit)> = None;
         for axis in 0..3 {
             let first = order.boxes[order.sorted[axis][0] as usize].center()[axis];
-            let last = order.boxes[order.sorted[axis][order.len() - 1] as usize].center()[axis];
+            let last = order.boxes[order.sorted[axis][count - 1] as usize].center()[axis];
             if first == last {
                 continue;
             }
             let (cost, position) = order.sweep_axis(axis);
-            if position > 0 && best.is_none_or(|b| cost < b.cost) {
-                best = Some(Candidate { axis, position, cost, scale: 0.0, origin: 0.0 });
+            if position > 0 && best.is_none_or(|b| cost < b.0) {
+                best = Some((cost, SortedSplit { axis, position }));
             }
         }
-        best
+        best.map(|(cost, plan)| Split {
+            cost,
+            left_count: plan.position,
+            left: order.bounds_along(plan.axis, 0..plan.position),
+            right: order.bounds_along(plan.axis, plan.position..count),
+            plan: Some(plan),
+        })
     }
 
-    fn apply(&self, order: &mut SweepOrder<'_>, split: &Candidate) -> usize {
-        order.partition(split.axis, split.position);
-        split.position
+    fn apply(&self, order: &mut SweepOrder<'_>, plan: &SortedSplit) {
+        order.partition(plan.axis, plan.position);
     }
 }

@@ -4,10 +4,13 @@ use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
+use super::bound::Bound;
 use super::*;
 use crate::accel::config::{StopRule, Widen};
 use crate::accel::quality::TreeFigures;
+use crate::accel::tree::{Bvh2, Bvh2Node};
 use crate::accel::validate::validate;
+use crate::accel::widen::widen;
 
 fn rng() -> Pcg32 {
     Pcg32::seed_from_u64(7)
@@ -169,16 +172,29 @@ fn count_below(tree: &Tree, top: crate::accel::NodeId, count: &mut usize) {
 }
 
 #[test]
-fn the_sparse_search_over_bins_gives_the_dense_answer() {
+fn searches_among_few_references_give_the_dense_answer() {
     use super::order::{RefSlice, build_refs};
     use super::top_down::Splitter;
-    let boxes = random_boxes(63, 5.0, 1.0);
-    for count in [2, 5, 31, 63] {
-        let mut refs = build_refs(&boxes[..count]);
-        let splitter = binned::Binned { bins: 256 };
-        let sparse = splitter.find(&mut RefSlice::new(&mut refs), &Aabb::EMPTY).expect("a split");
-        let dense = splitter.find_dense_for_tests(&refs).expect("a split");
-        assert_eq!(sparse, dense, "{count} boxes");
+    for seed in 0..40 {
+        let boxes = random_boxes(63 + seed, 5.0, 1.0);
+        // On a coarse lattice many centroids share a bin, and planes cost the same.
+        let snap = |p: Vec3| (p * 0.4).round() / 0.4;
+        let coarse: Vec<Aabb> = boxes.iter().map(|b| Aabb::new(snap(b.min), snap(b.max))).collect();
+        for (boxes, bins) in
+            [(&boxes, 256), (&boxes, 16), (&boxes, 3), (&coarse, 256), (&coarse, 16), (&coarse, 2)]
+        {
+            for count in [2, 3, 4, 5, 6, 7, 8, 9, 31, 63] {
+                let mut refs = build_refs(&boxes[seed..seed + count]);
+                let splitter = binned::Binned { bins };
+                let found = splitter.find(&mut RefSlice::new(&mut refs), &Bound::EMPTY);
+                let dense = splitter.find_dense_for_tests(&refs);
+                let told = |split: top_down::Split<binned::BinPlane>| {
+                    let boxes = (split.left.aabb(), split.right.aabb());
+                    (split.cost, split.left_count, boxes, split.plan)
+                };
+                assert_eq!(found.map(told), dense.map(told), "{count} boxes, {bins} bins, {seed}");
+            }
+        }
     }
 }
 
@@ -195,50 +211,45 @@ fn many_bins_come_close_to_the_sweep_and_few_are_worse() {
     assert!(cost(Builder::Median, 16) > 1.1 * sweep);
 }
 
-/// Direct multi-way splitting as it is defined, on top of the binary tree's own splits, one node at a time.
-fn direct_children(bvh: &Bvh2, node: usize, width: usize) -> Vec<usize> {
-    fn refs_below(bvh: &Bvh2, node: usize) -> f32 {
-        let n = bvh.nodes[node];
-        if n.is_leaf() {
-            n.count as f32
-        } else {
-            refs_below(bvh, n.first as usize) + refs_below(bvh, n.first as usize + 1)
+/// The binary tree, node by node.
+fn binary(tree: &Tree) -> Bvh2 {
+    let Tree::W2(tree) = tree else { panic!("not a binary tree") };
+    let mut nodes = vec![Bvh2Node { bounds: tree.bounds, first: 0, count: 0 }];
+    let mut open = vec![(0, tree.root)];
+    while let Some((at, child)) = open.pop() {
+        if let Some(leaf_idx) = child.as_leaf() {
+            let leaf = tree.leaves[leaf_idx as usize];
+            (nodes[at].first, nodes[at].count) = (leaf.first, leaf.count);
+        } else if let Some(node_idx) = child.as_inner() {
+            let node = &tree.nodes[node_idx as usize];
+            nodes[at].first = nodes.len() as u32;
+            for slot in 0..2 {
+                open.push((nodes.len(), node.children[slot]));
+                nodes.push(Bvh2Node { bounds: node.child_bounds(slot), first: 0, count: 0 });
+            }
         }
     }
-    let weight = |node: usize| refs_below(bvh, node) * bvh.nodes[node].bounds.half_area();
-    let mut children = vec![node];
-    while children.len() < width {
-        let lowering = |&c: &usize| {
-            let first = bvh.nodes[c].first as usize;
-            weight(c) - (weight(first) + weight(first + 1))
-        };
-        let open = children.iter().enumerate().filter(|(_, c)| !bvh.nodes[**c].is_leaf());
-        let best = open.fold(None::<(usize, f32)>, |best, (i, c)| match best {
-            Some((_, gain)) if gain >= lowering(c) => best,
-            _ => Some((i, lowering(c))),
-        });
-        let Some((slot, _)) = best else { break };
-        let first = bvh.nodes[children[slot]].first as usize;
-        children.splice(slot..=slot, [first, first + 1]);
-    }
-    children
+    Bvh2 { nodes, refs: tree.refs.clone() }
 }
 
 #[test]
-fn widening_by_split_is_direct_multi_way_splitting() {
-    let boxes = random_boxes(400, 5.0, 1.0);
-    let config = BuildConfig { builder: Builder::Sweep, ..BuildConfig::default() };
-    let bvh = build_binary(&boxes, &config, &Task::new(), &mut PhaseClock::start()).expect("not cancelled");
-    let wide: crate::accel::WideBvh<4> = widen(&bvh, Widen::Split, &Task::new()).expect("not cancelled");
-    let mut open = vec![(0_usize, 0_u32)];
-    while let Some((binary, wide_idx)) = open.pop() {
-        let expected = direct_children(&bvh, binary, 4);
-        let got: Vec<_> = wide.children(wide_idx).collect();
-        assert_eq!(got.len(), expected.len());
-        for ((id, bounds), &member) in got.iter().zip(&expected) {
-            assert_eq!(*bounds, bvh.nodes[member].bounds);
-            if !bvh.nodes[member].is_leaf() {
-                open.push((member, id.0));
+fn wide_trees_are_the_binary_tree_with_children_opened() {
+    for (boxes, builder) in
+        [(random_boxes(3000, 5.0, 1.0), Builder::Binned), (random_boxes(400, 5.0, 1.0), Builder::Sweep)]
+    {
+        for how in Widen::ALL {
+            let config = BuildConfig { builder, widen: how, ..BuildConfig::default() };
+            let bvh = binary(&tree(&boxes, &config));
+            let widened = |width| match width {
+                Width::W2 => Tree::W2(widen(&bvh, how, &Task::new()).expect("not cancelled")),
+                Width::W4 => Tree::W4(widen(&bvh, how, &Task::new()).expect("not cancelled")),
+                Width::W8 => Tree::W8(widen(&bvh, how, &Task::new()).expect("not cancelled")),
+            };
+            for width in Width::ALL {
+                assert!(
+                    tree(&boxes, &BuildConfig { width, ..config }) == widened(width),
+                    "{width:?}, {config:?}"
+                );
             }
         }
     }
