@@ -3,7 +3,7 @@
 use crate::each_width;
 use crate::geometry::Aabb;
 
-use super::tree::{Tree, Visit};
+use super::tree::{ChildRef, Tree, Visit, WideBvh};
 
 /// Children of the widest node.
 const MOST_CHILDREN: usize = 16;
@@ -61,40 +61,16 @@ pub struct TreeFigures {
 impl TreeFigures {
     /// Measures a tree under the two costs of the SAH.
     pub fn measure(tree: &Tree, traversal_cost: f32, intersection_cost: f32) -> Self {
-        let root_area = f64::from(tree.bounds().area());
-        let per_area = |cost: f64| if root_area > 0.0 { cost / root_area } else { 0.0 };
-        let mut levels: Vec<DepthLevel> = Vec::new();
-        let mut leaf_sizes = Vec::new();
-        let mut depth_sum = 0_u64;
-        tree.walk_nodes(|Visit { id, depth, bounds, .. }| {
-            if levels.len() <= depth as usize {
-                levels.resize(depth as usize + 1, DepthLevel::default());
-            }
-            let level = &mut levels[depth as usize];
-            let area = f64::from(bounds.area());
-            match tree.leaf_index(id) {
-                Some(leaf_idx) => {
-                    let size = tree.leaves()[leaf_idx as usize].count as usize;
-                    level.leaf_count += 1;
-                    level.reference_count += size;
-                    level.sah_leaf += per_area(f64::from(intersection_cost) * size as f64 * area);
-                    depth_sum += u64::from(depth);
-                    if leaf_sizes.len() <= size {
-                        leaf_sizes.resize(size + 1, 0);
-                    }
-                    leaf_sizes[size] += 1;
-                }
-                None => {
-                    level.inner_count += 1;
-                    level.sah_inner += per_area(f64::from(traversal_cost) * area);
-                }
-            }
-            true
-        });
+        let costs = Costs {
+            traversal: traversal_cost.into(),
+            intersection: intersection_cost.into(),
+            root_area: tree.bounds().area().into(),
+        };
+        let sums = each_width!(tree, t => Sums::over(t, &costs));
         let leaf_count = tree.leaf_count();
-        let sah_cost = (root_area > 0.0).then(|| SahCost {
-            inner: levels.iter().map(|l| l.sah_inner).sum(),
-            leaf: levels.iter().map(|l| l.sah_leaf).sum(),
+        let sah_cost = (costs.root_area > 0.0).then(|| SahCost {
+            inner: sums.levels.iter().map(|l| l.sah_inner).sum(),
+            leaf: sums.levels.iter().map(|l| l.sah_leaf).sum(),
         });
         Self {
             node_count: tree.node_count(),
@@ -102,12 +78,86 @@ impl TreeFigures {
             leaf_count,
             reference_count: tree.refs().len(),
             depth_max: tree.depth_max(),
-            depth_mean: (leaf_count > 0).then(|| depth_sum as f64 / leaf_count as f64),
-            leaf_sizes,
+            depth_mean: (leaf_count > 0).then(|| sums.depth as f64 / leaf_count as f64),
+            leaf_sizes: sums.leaf_sizes,
             sah_cost,
-            levels,
-            overlap: (0..tree.inner_count() as u32).map(|node_idx| sibling_overlap(tree, node_idx)).sum(),
+            levels: sums.levels,
+            overlap: sums.overlap,
             bytes: tree.bytes(),
+        }
+    }
+}
+
+struct Costs {
+    traversal: f64,
+    intersection: f64,
+    root_area: f64,
+}
+
+/// What is added up over all nodes.
+#[derive(Default)]
+struct Sums {
+    levels: Vec<DepthLevel>,
+    leaf_sizes: Vec<usize>,
+    /// Over leaves.
+    depth: u64,
+    overlap: f64,
+}
+
+impl Sums {
+    /// One pass over the inner nodes, which lie behind their parents: each adds its children.
+    fn over<const N: usize>(tree: &WideBvh<N>, costs: &Costs) -> Self {
+        let mut sums = Self::default();
+        let mut depths = vec![0_u32; tree.nodes.len()];
+        sums.add(tree, tree.root, &tree.bounds, 0, costs);
+        for (node_idx, node) in tree.nodes.iter().enumerate() {
+            let depth = depths[node_idx] + 1;
+            let mut boxes = [Aabb::EMPTY; N];
+            let mut count = 0;
+            for &child in node.children.iter().filter(|child| !child.is_empty()) {
+                boxes[count] = node.child_bounds(count);
+                sums.add(tree, child, &boxes[count], depth, costs);
+                if let Some(child_idx) = child.as_inner() {
+                    depths[child_idx as usize] = depth;
+                }
+                count += 1;
+            }
+            sums.overlap += overlap(&boxes[..count]);
+        }
+        sums
+    }
+
+    #[inline]
+    fn add<const N: usize>(
+        &mut self,
+        tree: &WideBvh<N>,
+        node: ChildRef,
+        bounds: &Aabb,
+        depth: u32,
+        costs: &Costs,
+    ) {
+        if node.is_empty() {
+            return;
+        }
+        if self.levels.len() <= depth as usize {
+            self.levels.resize(depth as usize + 1, DepthLevel::default());
+        }
+        let level = &mut self.levels[depth as usize];
+        let area = f64::from(bounds.area());
+        let per_area = |cost: f64| if costs.root_area > 0.0 { cost / costs.root_area } else { 0.0 };
+        if let Some(leaf_idx) = node.as_leaf() {
+            let size = tree.leaves[leaf_idx as usize].count as usize;
+            level.leaf_count += 1;
+            level.reference_count += size;
+            level.sah_leaf += per_area(costs.intersection * size as f64 * area);
+            self.depth += u64::from(depth);
+            if self.leaf_sizes.len() <= size {
+                self.leaf_sizes.resize(size + 1, 0);
+            }
+            self.leaf_sizes[size] += 1;
+        } else {
+            level.inner_count += 1;
+            level.sah_inner += per_area(costs.traversal * area);
         }
     }
 }
@@ -122,19 +172,22 @@ pub fn sibling_overlap(tree: &Tree, node_idx: u32) -> f64 {
             boxes[count] = bounds;
             count += 1;
         }
-        let boxes = &boxes[..count];
-        let own = boxes.iter().fold(Aabb::EMPTY, |all, b| all.union(*b)).area();
-        let mut shared = 0.0;
-        for (i, a) in boxes.iter().enumerate() {
-            for b in &boxes[i + 1..] {
-                let common = a.intersection(*b);
-                if !common.is_empty() {
-                    shared += f64::from(common.area());
-                }
+        overlap(&boxes[..count])
+    })
+}
+
+fn overlap(siblings: &[Aabb]) -> f64 {
+    let own = siblings.iter().fold(Aabb::EMPTY, |all, b| all.union(*b)).area();
+    let mut shared = 0.0;
+    for (i, a) in siblings.iter().enumerate() {
+        for b in &siblings[i + 1..] {
+            let common = a.intersection(*b);
+            if !common.is_empty() {
+                shared += f64::from(common.area());
             }
         }
-        if own > 0.0 { shared / f64::from(own) } else { 0.0 }
-    })
+    }
+    if own > 0.0 { shared / f64::from(own) } else { 0.0 }
 }
 
 /// Every node's own share of the SAH cost, by node id: `C * A / A_root / cost`, C = `C_t` for an inner node, `C_i * N`
