@@ -1,4 +1,5 @@
-//! The trees: [`Bvh2`] as builders make it, [`WideBvh`] as rays walk it, and [`Tree`], any width behind one face.
+//! The trees: [`WideBvh`] as builders make it and rays walk it, [`Tree`], any width behind one face, and [`Bvh2`], which
+//! can be widened.
 
 use glam::Vec3;
 
@@ -6,7 +7,7 @@ use crate::geometry::Aabb;
 
 use super::config::Width;
 
-/// A binary tree as top-down builders make it: node 0 is the root, siblings lie side by side.
+/// A binary tree in the form that is easiest to change: node 0 is the root, siblings lie side by side.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bvh2 {
     pub nodes: Vec<Bvh2Node>,

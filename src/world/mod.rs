@@ -13,7 +13,7 @@ use std::time::Instant;
 use crate::accel::quality::TreeFigures;
 use crate::accel::simd::{SimdLevel, SimdToken};
 use crate::accel::{
-    BuildConfig, BuildPhase, BuildReport, LeafIntersector, Probe, Tree, build, traverse, validate,
+    BuildConfig, BuildPhase, BuildReport, LeafIntersector, Probe, Tree, build_over, traverse, validate,
 };
 use crate::at_level;
 use crate::geometry::{Hit, PreparedRay, Ray};
@@ -30,7 +30,7 @@ use store::{Beyond, keep};
 pub struct World {
     pub scene: Arc<Scene>,
     pub tree: Tree,
-    /// Its phases begin with `boxes` (of the shapes) and end with `pack` (their geometry, in leaf order).
+    /// Its phases end with `pack` (the shapes' geometry, in leaf order).
     pub report: BuildReport,
     pub figures: TreeFigures,
     store: PrimStore,
@@ -48,23 +48,16 @@ impl World {
     /// If a shape's box is not finite (loaders remove such shapes), or `config` is out of range.
     pub fn build(scene: Arc<Scene>, config: &BuildConfig, task: &Task) -> Result<Self, Cancelled> {
         task.check()?;
-        let start = Instant::now();
-        let boxes = scene.shape_bounds();
-        let boxes_phase = BuildPhase { name: "boxes", ms: elapsed_ms(start) };
-        if let Some(shape) = boxes.iter().position(|b| b.is_empty() || !b.is_finite()) {
-            panic!("shape {shape} of '{}' has no finite box: {:?}", scene.name, boxes[shape]);
-        }
-        task.check()?;
-        let (tree, mut report) = build(&boxes, config, task)?;
+        let bounds = |shape| scene.shape(shape).bounds();
+        let (tree, mut report) = build_over(scene.shape_count(), bounds, config, task)?;
         if cfg!(debug_assertions) {
-            let violations = validate::validate(&tree, &boxes);
+            let violations = validate::validate(&tree, &scene.shape_bounds());
             assert!(violations.is_empty(), "a tree with {config:?} is not valid: {violations:?}");
         }
         let start = Instant::now();
         let store = PrimStore::new(&scene, &tree, task)?;
         let pack_phase = BuildPhase { name: "pack", ms: elapsed_ms(start) };
-        report.build_ms += boxes_phase.ms + pack_phase.ms;
-        report.phases.insert(0, boxes_phase);
+        report.build_ms += pack_phase.ms;
         report.phases.push(pack_phase);
         let figures = TreeFigures::measure(&tree, config.traversal_cost, config.intersection_cost);
         let blockers = Blockers::new(&scene);

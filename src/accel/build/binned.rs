@@ -3,12 +3,13 @@
 //! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007. All three axes are filled in one pass
 //! over the references and swept side by side, an axis a lane.
 
-use glam::{Vec3A, Vec4};
+use fearless_simd::{Level, Simd, dispatch, f32x4, f32x8, i32x4, prelude::*};
 use rayon::prelude::*;
 
 use crate::accel::config::BuildConfig;
+use crate::task::Task;
 
-use super::bound::{Bound, half_areas};
+use super::bound::{Bound, center, half_areas};
 use super::few;
 use super::order::{BuildRef, PARALLEL_MIN, RefSlice};
 use super::top_down::{Split, Splitter};
@@ -16,8 +17,10 @@ use super::top_down::{Split, Splitter};
 const MOST_BINS: usize = *BuildConfig::BINS.end();
 
 /// The binned builder.
-pub struct Binned {
-    pub bins: usize,
+pub struct Binned<'a> {
+    bins: usize,
+    task: &'a Task,
+    level: Level,
 }
 
 /// The bin of a centroid: `floor(bins * (c - c_min) / (c_max - c_min))` clamped to the last, with
@@ -35,96 +38,126 @@ pub struct BinPlane {
     pub axis: usize,
     /// The first bin on the right.
     pub position: f32,
-    pub origin: Vec4,
-    pub scale: Vec4,
+    pub origin: [f32; 4],
+    pub scale: [f32; 4],
 }
 
-/// The bins of one node along all axes.
-#[derive(Clone, Copy, Debug)]
-pub struct Grid {
-    origin: Vec4,
-    scale: Vec4,
+/// The bins of one node along all axes. The fourth lane means nothing.
+#[derive(Clone, Copy)]
+pub struct Grid<S: Simd> {
+    origin: f32x4<S>,
+    scale: f32x4<S>,
     /// `bins - 1`.
-    last: f32,
+    last: f32x4<S>,
 }
 
-impl Splitter<RefSlice<'_>> for Binned {
+impl Splitter<RefSlice<'_>> for Binned<'_> {
     const WEIGHS_COST: bool = true;
     type Plan = BinPlane;
 
     #[inline]
     fn find(&self, order: &mut RefSlice<'_>, _bounds: &Bound) -> Option<Split<BinPlane>> {
-        let refs = &*order.refs;
-        // Arrays, so that loops over them are unrolled.
-        let few = match refs.len() {
-            2 => refs.as_array().and_then(|refs| few::find::<2>(refs, self.bins)),
-            3 => refs.as_array().and_then(|refs| few::find::<3>(refs, self.bins)),
-            4 => refs.as_array().and_then(|refs| few::find::<4>(refs, self.bins)),
-            5 => refs.as_array().and_then(|refs| few::find::<5>(refs, self.bins)),
-            6 => refs.as_array().and_then(|refs| few::find::<6>(refs, self.bins)),
-            7 => refs.as_array().and_then(|refs| few::find::<7>(refs, self.bins)),
-            8 => refs.as_array().and_then(|refs| few::find::<8>(refs, self.bins)),
-            _ => None,
-        };
-        if few.is_some() { few } else { self.find_among_many(refs) }
+        dispatch!(self.level, simd => find(simd, order.refs, self.bins, self.task))
     }
 
     #[inline]
     fn apply(&self, order: &mut RefSlice<'_>, plan: &BinPlane) {
-        partition(order.refs, plan);
+        dispatch!(self.level, simd => partition(simd, order.refs, plan, self.task));
     }
 }
 
-impl Grid {
+impl<'a> Binned<'a> {
+    /// Once the task is cancelled, what is found means nothing.
+    pub fn new(bins: usize, task: &'a Task) -> Self {
+        Self { bins, task, level: Level::new() }
+    }
+
+    /// The dense search, for comparison.
+    #[cfg(test)]
+    pub fn find_dense_for_tests(&self, refs: &[BuildRef]) -> Option<Split<BinPlane>> {
+        dispatch!(self.level, simd => find_dense::<_, MOST_BINS>(simd, refs, self.bins, self.task))
+    }
+}
+
+#[inline(always)]
+fn find<S: Simd>(simd: S, refs: &[BuildRef], bins: usize, task: &Task) -> Option<Split<BinPlane>> {
+    // Arrays, so that loops over them are unrolled.
+    let few = match refs.len() {
+        2 => refs.as_array().and_then(|refs| few::find::<S, 2>(simd, refs, bins)),
+        3 => refs.as_array().and_then(|refs| few::find::<S, 3>(simd, refs, bins)),
+        4 => refs.as_array().and_then(|refs| few::find::<S, 4>(simd, refs, bins)),
+        5 => refs.as_array().and_then(|refs| few::find::<S, 5>(simd, refs, bins)),
+        6 => refs.as_array().and_then(|refs| few::find::<S, 6>(simd, refs, bins)),
+        7 => refs.as_array().and_then(|refs| few::find::<S, 7>(simd, refs, bins)),
+        8 => refs.as_array().and_then(|refs| few::find::<S, 8>(simd, refs, bins)),
+        _ => None,
+    };
+    if few.is_some() {
+        return few;
+    }
+    if refs.len() * 4 < bins {
+        return find_sparse(simd, refs, bins);
+    }
+    match bins {
+        0..=16 => find_dense::<S, 16>(simd, refs, bins, task),
+        17..=64 => find_dense::<S, 64>(simd, refs, bins, task),
+        _ => find_dense::<S, MOST_BINS>(simd, refs, bins, task),
+    }
+}
+
+impl<S: Simd> Grid<S> {
     /// The bins over the bounds of some centroids. `None` if every axis is skipped: those without extent, or so narrow or
     /// wide that their scale is no number.
     #[inline(always)]
-    pub fn new(centers: Bound, bins: usize) -> Option<Self> {
-        let extent = centers.max - centers.min;
-        let scale = Vec4::splat(bins as f32) / extent;
-        let zero = Vec4::ZERO;
-        let usable = extent.cmpgt(zero) & scale.cmpgt(zero) & scale.cmplt(Vec4::INFINITY);
-        (usable.bitmask() & 7 != 0).then(|| Self {
+    pub fn new((min, max): (f32x4<S>, f32x4<S>), bins: usize) -> Option<Self> {
+        let simd = min.simd;
+        let zero = f32x4::splat(simd, 0.0);
+        let extent = max - min;
+        let scale = f32x4::splat(simd, bins as f32) / extent;
+        let usable =
+            extent.simd_gt(zero) & scale.simd_gt(zero) & scale.simd_lt(f32x4::splat(simd, f32::INFINITY));
+        (usable.to_bitmask() & 7 != 0).then(|| Self {
             // Along an axis that is skipped everything lies in the first bin.
-            origin: Vec4::select(usable, centers.min, zero),
-            scale: Vec4::select(usable, scale, zero),
-            last: (bins - 1) as f32,
+            origin: usable.select(min, zero),
+            scale: usable.select(scale, zero),
+            last: f32x4::splat(simd, (bins - 1) as f32),
         })
     }
 
-    /// 2^23 + [`bin_index`] along all axes. The fourth lane means nothing.
+    /// [`bin_index`] along all axes, before it is rounded down.
     #[inline(always)]
-    pub fn bins_above_whole(&self, center: Vec4) -> Vec4 {
-        floor_above_whole(((center - self.origin) * self.scale).min(Vec4::splat(self.last)))
+    pub fn positions(&self, center: f32x4<S>) -> f32x4<S> {
+        ((center - self.origin) * self.scale).min(self.last)
     }
 
     /// [`bin_index`] along all axes, below `M`, a power of two above the last bin.
     #[inline(always)]
-    fn indices<const M: usize>(&self, center: Vec4) -> [usize; 3] {
-        let [x, y, z, _] = self.bins_above_whole(center).to_array();
-        [x, y, z].map(|bin| bin.to_bits() as usize & (M - 1))
+    fn indices<const M: usize>(&self, center: f32x4<S>) -> [usize; 3] {
+        let [x, y, z, _] = to_int(self.positions(center));
+        [x as usize & (M - 1), y as usize & (M - 1), z as usize & (M - 1)]
     }
 
+    #[inline(always)]
     fn first_usable_axis(&self) -> usize {
-        (0..3).find(|&axis| self.scale[axis] > 0.0).unwrap_or(0)
+        if self.scale[0] > 0.0 {
+            0
+        } else if self.scale[1] > 0.0 {
+            1
+        } else {
+            2
+        }
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn plane(&self, axis: usize, position: f32) -> BinPlane {
-        BinPlane { axis, position, origin: self.origin, scale: self.scale }
+        BinPlane { axis, position, origin: self.origin.to_array(), scale: self.scale.to_array() }
     }
 }
 
-/// 2^23: numbers from here to 2^24 are whole, and their low bits are the number.
-pub const WHOLE: Vec4 = Vec4::splat(8_388_608.0);
-
-/// 2^23 + floor, for numbers from 0 to 2^22. With SSE2 alone this is half the work of a conversion to integers that is
-/// defined for all floats.
+/// Rounded towards zero.
 #[inline(always)]
-pub fn floor_above_whole(v: Vec4) -> Vec4 {
-    // The sum is rounded to the nearest, which is one too large for about half of the numbers.
-    let nearest = v + WHOLE;
-    nearest - Vec4::select((nearest - WHOLE).cmpgt(v), Vec4::ONE, Vec4::ZERO)
+pub fn to_int<S: Simd>(v: f32x4<S>) -> [i32; 4] {
+    v.simd.cvt_i32_f32x4(v).to_array()
 }
 
 /// One bin along each axis. Its size is a power of two, so that finding it takes a shift.
@@ -133,48 +166,86 @@ pub fn floor_above_whole(v: Vec4) -> Vec4 {
 struct Bin {
     bounds: [Bound; 3],
     /// The last number is not used.
-    counts: [u32; 4],
+    counts: [i32; 4],
 }
 
 impl Bin {
     const EMPTY: Self = Self { bounds: [Bound::EMPTY; 3], counts: [0; 4] };
+}
 
+/// The union of bins in registers.
+#[derive(Clone, Copy)]
+struct Bins<S: Simd> {
+    bounds: [f32x8<S>; 3],
+    counts: i32x4<S>,
+}
+
+impl<S: Simd> Bins<S> {
     #[inline(always)]
-    fn add(&mut self, other: &Self) {
-        for axis in 0..3 {
-            self.bounds[axis] = self.bounds[axis].union(other.bounds[axis]);
+    fn load(simd: S, bin: &Bin) -> Self {
+        let [a, b, c] = &bin.bounds;
+        Self {
+            bounds: [a.load(simd), b.load(simd), c.load(simd)],
+            counts: i32x4::load_array_ref(simd, &bin.counts),
         }
-        self.counts = std::array::from_fn(|axis| self.counts[axis] + other.counts[axis]);
     }
 
-    /// Half area times count along each axis: not a number for an empty bin, which is neither less nor more than any.
     #[inline(always)]
-    fn weights(&self) -> Vec3A {
-        // Counts are below 2^31, so that the signed conversion, which SIMD has, will do.
-        let counts = Vec4::from_array(self.counts.map(|count| count as i32 as f32));
-        half_areas(&self.bounds) * Vec3A::from_vec4(counts)
+    fn union(self, other: Self) -> Self {
+        let ([a, b, c], [d, e, f]) = (self.bounds, other.bounds);
+        Self { bounds: [a.min(d), b.min(e), c.min(f)], counts: self.counts + other.counts }
+    }
+
+    /// Half area times count along each axis: not a number where empty.
+    #[inline(always)]
+    fn weights(&self) -> f32x4<S> {
+        half_areas(&self.bounds) * self.counts.simd.cvt_f32_i32x4(self.counts)
+    }
+
+    #[inline(always)]
+    fn store(self) -> Bin {
+        let [a, b, c] = self.bounds;
+        Bin { bounds: [Bound::store(a), Bound::store(b), Bound::store(c)], counts: self.counts.to_array() }
     }
 }
 
-fn fill<const M: usize>(bins: &mut [Bin; M], refs: &[BuildRef], grid: &Grid) {
+#[inline(always)]
+fn fill<S: Simd, const M: usize>(bins: &mut [Bin; M], refs: &[BuildRef], grid: &Grid<S>) {
+    let simd = grid.origin.simd;
     for r in refs {
-        for (axis, bin) in grid.indices::<M>(r.center()).into_iter().enumerate() {
-            bins[bin].bounds[axis] = bins[bin].bounds[axis].union(r.bound);
-            bins[bin].counts[axis] += 1;
+        let bound = r.bound.load(simd);
+        let indices = grid.indices::<M>(center(bound));
+        for axis in 0..3 {
+            let bin = &mut bins[indices[axis]];
+            bin.bounds[axis] = Bound::store(bin.bounds[axis].load(simd).min(bound));
+            bin.counts[axis] += 1;
         }
     }
 }
 
 /// Boxes by min and max, and counts, are the same in any order.
 #[inline(never)]
-fn fill_parallel<const M: usize>(bins: &mut [Bin; M], refs: &[BuildRef], grid: &Grid) {
+fn fill_parallel<S: Simd, const M: usize>(
+    bins: &mut [Bin; M],
+    refs: &[BuildRef],
+    grid: &Grid<S>,
+    task: &Task,
+) {
+    let simd = grid.origin.simd;
     let pieces = refs.par_chunks(PARALLEL_MIN).map(|piece| {
-        let mut bins = Box::new([Bin::EMPTY; M]);
-        fill(&mut bins, piece, grid);
-        bins
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let mut bins = Box::new([Bin::EMPTY; M]);
+                fill(&mut bins, if task.is_cancelled() { &[] } else { piece }, grid);
+                bins
+            },
+        )
     });
     let merged = pieces.reduce_with(|mut a, b| {
-        a.iter_mut().zip(b.iter()).for_each(|(a, b)| a.add(b));
+        for (a, b) in a.iter_mut().zip(b.iter()) {
+            *a = Bins::load(simd, a).union(Bins::load(simd, b)).store();
+        }
         a
     });
     if let Some(merged) = merged {
@@ -182,99 +253,114 @@ fn fill_parallel<const M: usize>(bins: &mut [Bin; M], refs: &[BuildRef], grid: &
     }
 }
 
+/// With a power of two `M >= bins`, so that few bins clear little memory. Never inlined, nor are the other searches: each
+/// node would touch the stack of them all.
+#[inline(never)]
+fn find_dense<S: Simd, const M: usize>(
+    simd: S,
+    refs: &[BuildRef],
+    bins: usize,
+    task: &Task,
+) -> Option<Split<BinPlane>> {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let grid = Grid::new(center_bounds(simd, refs, task), bins)?;
+            let mut filled = [Bin::EMPTY; M];
+            if refs.len() < PARALLEL_MIN {
+                fill(&mut filled, refs, &grid);
+            } else {
+                fill_parallel(&mut filled, refs, &grid, task);
+            }
+            Some(sweep::<S, M>(&filled[..bins], &grid))
+        },
+    )
+}
+
 /// The plane with the least split cost. Of equally cheap planes on an axis the first is taken (so of those with nothing
 /// between them), and of equally cheap axes.
 #[inline(always)]
-fn sweep<const M: usize>(bins: &[Bin], grid: &Grid) -> Split<BinPlane> {
+fn sweep<S: Simd, const M: usize>(bins: &[Bin], grid: &Grid<S>) -> Split<BinPlane> {
+    let simd = grid.origin.simd;
+    let infinite = f32x4::splat(simd, f32::INFINITY);
     // At `i` the cost of the plane before bin `i`; first only its right side's.
-    let mut costs = [Vec3A::INFINITY; M];
-    let mut right = Bin::EMPTY;
+    let mut costs = [infinite; M];
+    let mut right = Bins::load(simd, &Bin::EMPTY);
     for i in (1..bins.len()).rev() {
-        right.add(&bins[i]);
+        right = right.union(Bins::load(simd, &bins[i]));
         costs[i] = right.weights();
     }
-    let mut left = Bin::EMPTY;
-    let mut least = Vec3A::INFINITY;
+    let mut left = Bins::load(simd, &Bin::EMPTY);
+    let mut least = infinite;
     for i in 1..bins.len() {
-        left.add(&bins[i - 1]);
-        costs[i] += left.weights();
-        // The order matters where the cost is not a number.
-        least = costs[i].min(least);
+        left = left.union(Bins::load(simd, &bins[i - 1]));
+        let cost = costs[i] + left.weights();
+        costs[i] = cost;
+        // What is not a number is not less.
+        least = cost.simd_lt(least).select(cost, least);
     }
     let (mut axis, cost) = cheapest_axis(least);
     if cost == f32::INFINITY {
         // Areas that are too large for a float. The first and the last bin of a usable axis are never empty.
         axis = grid.first_usable_axis();
     }
-    let first = |i: &usize| costs[*i][axis] == cost;
-    let position = if cost < f32::INFINITY { (1..bins.len()).find(first).unwrap_or(1) } else { 1 };
-    let (left, right) = bins.split_at(position);
-    let union = |part: &[Bin]| part.iter().fold(Bound::EMPTY, |b, bin| b.union(bin.bounds[axis]));
-    Split {
-        cost,
-        left_count: left.iter().map(|bin| bin.counts[axis] as usize).sum(),
-        left: union(left),
-        right: union(right),
-        plan: Some(grid.plane(axis, position as f32)),
+    let mut position = 1;
+    while cost < f32::INFINITY && costs[position][axis] != cost {
+        position += 1;
     }
+    let (left, right) = bins.split_at(position);
+    let (left_count, left) = union_along(simd, left, axis);
+    let (_, right) = union_along(simd, right, axis);
+    Split { cost, left_count, left, right, plan: Some(grid.plane(axis, position as f32)) }
+}
+
+/// How many references some bins hold along an axis, and their box.
+#[inline(always)]
+fn union_along<S: Simd>(simd: S, bins: &[Bin], axis: usize) -> (usize, Bound) {
+    let (mut count, mut bounds) = (0, Bound::EMPTY.load(simd));
+    for bin in bins {
+        count += bin.counts[axis];
+        bounds = bounds.min(bin.bounds[axis].load(simd));
+    }
+    (count as usize, Bound::store(bounds))
 }
 
 /// The first of the cheapest, and its cost.
 #[inline(always)]
-pub fn cheapest_axis(costs: Vec3A) -> (usize, f32) {
-    let [x, y, z] = costs.to_array();
+pub fn cheapest_axis<S: Simd>(costs: f32x4<S>) -> (usize, f32) {
+    let [x, y, z, _] = costs.to_array();
     let (axis, least) = if y < x { (1, y) } else { (0, x) };
     if z < least { (2, z) } else { (axis, least) }
 }
 
-impl Binned {
-    #[inline(never)]
-    fn find_among_many(&self, refs: &[BuildRef]) -> Option<Split<BinPlane>> {
-        if refs.len() * 4 < self.bins {
-            return self.find_sparse(refs);
-        }
-        match self.bins {
-            0..=16 => self.find_dense::<16>(refs),
-            17..=64 => self.find_dense::<64>(refs),
-            _ => self.find_dense::<MOST_BINS>(refs),
-        }
-    }
-
-    /// With a power of two `M >= bins`, so that few bins clear little memory.
-    #[inline(never)]
-    fn find_dense<const M: usize>(&self, refs: &[BuildRef]) -> Option<Split<BinPlane>> {
-        let grid = &Grid::new(center_bounds(refs), self.bins)?;
-        let mut bins = [Bin::EMPTY; M];
-        if refs.len() < PARALLEL_MIN {
-            fill(&mut bins, refs, grid);
-        } else {
-            fill_parallel(&mut bins, refs, grid);
-        }
-        Some(sweep::<M>(&bins[..self.bins], grid))
-    }
-
-    /// The dense search, for comparison.
-    #[cfg(test)]
-    pub fn find_dense_for_tests(&self, refs: &[BuildRef]) -> Option<Split<BinPlane>> {
-        self.find_dense::<MOST_BINS>(refs)
-    }
-
-    /// The same answer as filling and sweeping bins, for a node with far fewer references than bins: only planes next
-    /// to a filled bin can differ in cost.
-    #[inline(never)]
-    fn find_sparse(&self, refs: &[BuildRef]) -> Option<Split<BinPlane>> {
-        let grid = Grid::new(center_bounds(refs), self.bins)?;
-        let found = (0..3).filter_map(|axis| sparse_on_axis(refs, &grid, axis));
-        found.reduce(|a, b| if b.cost < a.cost { b } else { a })
-    }
+/// The same answer as filling and sweeping bins, for a node with far fewer references than bins: only planes next to a
+/// filled bin can differ in cost.
+#[inline(never)]
+fn find_sparse<S: Simd>(simd: S, refs: &[BuildRef], bins: usize) -> Option<Split<BinPlane>> {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let grid = Grid::new(center_bounds_of(simd, refs), bins)?;
+            let mut best: Option<Split<BinPlane>> = None;
+            for axis in 0..3 {
+                let found = sparse_on_axis(refs, &grid, axis);
+                if best.is_none_or(|best| found.is_some_and(|found| found.cost < best.cost)) {
+                    best = found;
+                }
+            }
+            best
+        },
+    )
 }
 
-fn sparse_on_axis(refs: &[BuildRef], grid: &Grid, axis: usize) -> Option<Split<BinPlane>> {
+#[inline(always)]
+fn sparse_on_axis<S: Simd>(refs: &[BuildRef], grid: &Grid<S>, axis: usize) -> Option<Split<BinPlane>> {
     const MOST: usize = MOST_BINS / 4;
+    let simd = grid.origin.simd;
     let mut filled = [(0_usize, Bound::EMPTY); MOST];
     let filled = &mut filled[..refs.len()];
     for (slot, r) in filled.iter_mut().zip(refs) {
-        *slot = (grid.indices::<MOST_BINS>(r.center())[axis], r.bound);
+        *slot = (grid.indices::<MOST_BINS>(center(r.bound.load(simd)))[axis], r.bound);
     }
     filled.sort_unstable_by_key(|(bin, _)| *bin);
     let mut rights = [Bound::EMPTY; MOST];
@@ -300,27 +386,53 @@ fn sparse_on_axis(refs: &[BuildRef], grid: &Grid, axis: usize) -> Option<Split<B
     found
 }
 
-#[inline]
-fn center_bounds(refs: &[BuildRef]) -> Bound {
-    let of = |refs: &[BuildRef]| refs.iter().fold(Bound::EMPTY, |b, r| b.grown(r.center()));
+/// Least and largest coordinates of the centroids.
+#[inline(always)]
+fn center_bounds<S: Simd>(simd: S, refs: &[BuildRef], task: &Task) -> (f32x4<S>, f32x4<S>) {
     if refs.len() < PARALLEL_MIN {
-        return of(refs);
+        return center_bounds_of(simd, refs);
     }
-    refs.par_chunks(PARALLEL_MIN).map(of).reduce(|| Bound::EMPTY, Bound::union)
+    let pieces = refs.par_chunks(PARALLEL_MIN).map(|piece| {
+        simd.vectorize(
+            #[inline(always)]
+            || center_bounds_of(simd, if task.is_cancelled() { &[] } else { piece }),
+        )
+    });
+    let all = pieces.reduce_with(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+    all.unwrap_or_else(|| center_bounds_of(simd, refs))
+}
+
+#[inline(always)]
+pub fn center_bounds_of<S: Simd>(simd: S, refs: &[BuildRef]) -> (f32x4<S>, f32x4<S>) {
+    let (mut min, mut max) = (f32x4::splat(simd, f32::INFINITY), f32x4::splat(simd, f32::NEG_INFINITY));
+    for r in refs {
+        let center = center(r.bound.load(simd));
+        (min, max) = (min.min(center), max.max(center));
+    }
+    (min, max)
 }
 
 /// Puts the references that go left first.
 ///
 /// Every reference is moved whether it has to be or not, which costs less than guessing wrong every other time. All axes
-/// are compared and one bit is taken, so that references stay in whole registers.
-fn partition(refs: &mut [BuildRef], plane: &BinPlane) {
-    let position = Vec4::splat(plane.position);
+/// are compared and one bit is taken, so that references stay in whole registers: picking one coordinate from memory
+/// made the compiler copy them in parts, and took twice as long.
+#[inline(always)]
+fn partition<S: Simd>(simd: S, refs: &mut [BuildRef], plane: &BinPlane, task: &Task) {
+    let position = f32x4::splat(simd, plane.position);
+    let origin = f32x4::load_array(simd, plane.origin);
+    let scale = f32x4::load_array(simd, plane.scale);
     let mut left_count = 0;
-    for i in 0..refs.len() {
-        let r = refs[i];
-        let left = ((r.center() - plane.origin) * plane.scale).cmplt(position);
-        refs[i] = refs[left_count];
-        refs[left_count] = r;
-        left_count += (left.bitmask() >> plane.axis & 1) as usize;
+    for start in (0..refs.len()).step_by(PARALLEL_MIN) {
+        if task.is_cancelled() {
+            return;
+        }
+        for i in start..refs.len().min(start + PARALLEL_MIN) {
+            let bound = refs[i].bound.load(simd);
+            let left = ((center(bound) - origin) * scale).simd_lt(position);
+            refs[i] = refs[left_count];
+            refs[left_count] = BuildRef { bound: Bound::store(bound) };
+            left_count += (left.to_bitmask() >> plane.axis & 1) as usize;
+        }
     }
 }

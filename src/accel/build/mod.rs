@@ -22,7 +22,7 @@ pub use binned::bin_index;
 /// A stage of a build, with its wall time.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct BuildPhase {
-    /// `prepare` (copy or sort the boxes), `split` (find and make all splits), `layout` (what was built side by side put
+    /// `prepare` (compute, and sort, the boxes), `split` (find and make all splits), `layout` (what was built side by side put
     /// together in depth-first order).
     pub name: &'static str,
     pub ms: f64,
@@ -64,42 +64,66 @@ impl PhaseClock {
 /// # Panics
 /// If `config` is out of range ([`BuildConfig::check`]) or a box is empty or not finite.
 pub fn build(boxes: &[Aabb], config: &BuildConfig, task: &Task) -> Result<(Tree, BuildReport), Cancelled> {
+    build_over(boxes.len(), |shape| boxes[shape as usize], config, task)
+}
+
+/// As [`build`], over boxes that are asked for by shape, from 0 to `count`, instead of being stored first.
+///
+/// # Errors
+/// [`Cancelled`] when the task was.
+///
+/// # Panics
+/// As [`build`].
+pub fn build_over(
+    count: usize,
+    bounds: impl Fn(u32) -> Aabb + Sync,
+    config: &BuildConfig,
+    task: &Task,
+) -> Result<(Tree, BuildReport), Cancelled> {
     config.check().expect("a build configuration is checked where it is given");
     let mut clock = PhaseClock::start();
-    task.start(boxes.len() as u64);
+    task.start(count as u64);
+    let input = match config.builder {
+        Builder::Median | Builder::Binned => Input::Refs(order::build_refs(count, bounds, task)?),
+        Builder::Sweep => Input::Boxes((0..count as u32).map(bounds).collect()),
+    };
     let tree = match config.width {
-        Width::W2 => Tree::W2(build_wide(boxes, config, task, &mut clock)?),
-        Width::W4 => Tree::W4(build_wide(boxes, config, task, &mut clock)?),
-        Width::W8 => Tree::W8(build_wide(boxes, config, task, &mut clock)?),
+        Width::W2 => Tree::W2(build_wide(input, config, task, &mut clock)?),
+        Width::W4 => Tree::W4(build_wide(input, config, task, &mut clock)?),
+        Width::W8 => Tree::W8(build_wide(input, config, task, &mut clock)?),
     };
     let build_ms = clock.phases.iter().map(|p| p.ms).sum();
     let threads = rayon::current_num_threads();
     Ok((tree, BuildReport { config: *config, phases: clock.phases, build_ms, threads }))
 }
 
+/// The boxes in the form that a builder works on.
+enum Input {
+    Refs(Vec<order::BuildRef>),
+    Boxes(Vec<Aabb>),
+}
+
 fn build_wide<const N: usize>(
-    boxes: &[Aabb],
+    input: Input,
     config: &BuildConfig,
     task: &Task,
     clock: &mut PhaseClock,
 ) -> Result<WideBvh<N>, Cancelled> {
-    match config.builder {
-        Builder::Median => {
-            let mut refs = order::build_refs(boxes);
-            clock.finish("prepare");
-            top_down::build(order::RefSlice::new(&mut refs), &median::Median, config, task, clock)
-        }
-        Builder::Binned => {
-            let mut refs = order::build_refs(boxes);
-            clock.finish("prepare");
-            let splitter = binned::Binned { bins: config.bins };
-            top_down::build(order::RefSlice::new(&mut refs), &splitter, config, task, clock)
-        }
-        Builder::Sweep => {
-            let mut arrays = sweep::SweepArrays::sorted(boxes);
+    match input {
+        Input::Boxes(boxes) => {
+            let mut arrays = sweep::SweepArrays::sorted(&boxes);
             task.check()?;
             clock.finish("prepare");
-            top_down::build(arrays.order(boxes), &sweep::Sweep, config, task, clock)
+            top_down::build(arrays.order(&boxes), &sweep::Sweep, config, task, clock)
+        }
+        Input::Refs(mut refs) => {
+            clock.finish("prepare");
+            let order = order::RefSlice::new(&mut refs);
+            if config.builder == Builder::Median {
+                top_down::build(order, &median::Median, config, task, clock)
+            } else {
+                top_down::build(order, &binned::Binned::new(config.bins, task), config, task, clock)
+            }
         }
     }
 }

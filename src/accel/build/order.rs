@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use glam::Vec4;
 use rayon::prelude::*;
 
 use crate::geometry::Aabb;
+use crate::task::{Cancelled, Task};
 
 use super::bound::Bound;
 
@@ -46,37 +46,39 @@ const MOST_SHAPES: usize = 1 << 30;
 impl BuildRef {
     #[inline]
     pub fn new(bounds: &Aabb, shape: u32) -> Self {
-        let shape = f32::from_bits(shape + SHAPE_BIAS);
-        Self { bound: Bound { min: bounds.min.extend(0.0), max: bounds.max.extend(shape) } }
+        Self { bound: Bound::new(bounds, f32::from_bits(shape + SHAPE_BIAS)) }
     }
 
     #[inline]
     pub fn shape(&self) -> u32 {
-        self.bound.max.w.to_bits() - SHAPE_BIAS
+        self.bound.spare().to_bits() - SHAPE_BIAS
     }
 
-    /// As [`Aabb::center`], bit for bit.
-    #[inline(always)]
-    pub fn center(&self) -> Vec4 {
-        self.bound.min * 0.5 + self.bound.max * 0.5
+    fn center_on(&self, axis: usize) -> f32 {
+        self.bound.aabb().center()[axis]
     }
 }
 
-/// One reference a box.
+/// One reference a shape.
+///
+/// # Errors
+/// [`Cancelled`] when the task was.
 ///
 /// # Panics
 /// If a box is empty or not finite, or there are more than [`MOST_SHAPES`].
-pub fn build_refs(boxes: &[Aabb]) -> Vec<BuildRef> {
-    assert!(boxes.len() <= MOST_SHAPES, "{} shapes are too many for one tree", boxes.len());
-    boxes
-        .par_iter()
-        .with_min_len(PARALLEL_MIN)
-        .enumerate()
-        .map(|(shape, bounds)| {
-            check_box(bounds, shape);
-            BuildRef::new(bounds, shape as u32)
-        })
-        .collect()
+pub fn build_refs(
+    count: usize,
+    bounds: impl Fn(u32) -> Aabb + Sync,
+    task: &Task,
+) -> Result<Vec<BuildRef>, Cancelled> {
+    assert!(count <= MOST_SHAPES, "{count} shapes are too many for one tree");
+    let refs = (0..count as u32).into_par_iter().with_min_len(PARALLEL_MIN).map(|shape| {
+        let bounds = bounds(shape);
+        check_box(&bounds, shape as usize);
+        BuildRef::new(&bounds, shape)
+    });
+    let refs = refs.collect();
+    task.check().map(|()| refs)
 }
 
 /// # Panics
@@ -118,7 +120,7 @@ impl Order for RefSlice<'_> {
     fn split_middle(&mut self, axis: usize) -> usize {
         let mid = self.refs.len() / 2;
         self.refs.select_nth_unstable_by(mid, |a, b| {
-            let (ca, cb) = (a.center()[axis], b.center()[axis]);
+            let (ca, cb) = (a.center_on(axis), b.center_on(axis));
             ca.total_cmp(&cb).then(a.shape().cmp(&b.shape()))
         });
         mid

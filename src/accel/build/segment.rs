@@ -36,10 +36,9 @@ impl<const N: usize> Segment<N> {
 pub fn assemble<const N: usize>(mut segments: Vec<Segment<N>>, tree: &mut WideBvh<N>) {
     tree.depth_max = segments.iter().map(|s| s.depth_max).max().unwrap_or(0);
     if segments.len() == 1 {
+        // Not shrunk: that would copy the nodes, and room that was never touched costs no memory.
         let segment = segments.remove(0);
         (tree.nodes, tree.leaves) = (segment.nodes, segment.leaves);
-        tree.nodes.shrink_to_fit();
-        tree.leaves.shrink_to_fit();
         return;
     }
     let node_starts = starts(segments.iter().map(|s| s.nodes.len()));

@@ -184,8 +184,10 @@ fn searches_among_few_references_give_the_dense_answer() {
             [(&boxes, 256), (&boxes, 16), (&boxes, 3), (&coarse, 256), (&coarse, 16), (&coarse, 2)]
         {
             for count in [2, 3, 4, 5, 6, 7, 8, 9, 31, 63] {
-                let mut refs = build_refs(&boxes[seed..seed + count]);
-                let splitter = binned::Binned { bins };
+                let task = Task::new();
+                let at = |shape: u32| boxes[seed + shape as usize];
+                let mut refs = build_refs(count, at, &task).expect("not cancelled");
+                let splitter = binned::Binned::new(bins, &task);
                 let found = splitter.find(&mut RefSlice::new(&mut refs), &Bound::EMPTY);
                 let dense = splitter.find_dense_for_tests(&refs);
                 let told = |split: top_down::Split<binned::BinPlane>| {

@@ -153,10 +153,10 @@ impl<O: Order, S: Splitter<O>> Context<'_, O, S> {
         if count == 1 || (fits_leaf && (config.stop == StopRule::Limit || !S::WEIGHS_COST)) {
             return Ok(());
         }
+        node.split = self.splitter.find(&mut node.order, &node.bounds);
         if count >= CHECK_MIN {
             self.task.check()?;
         }
-        node.split = self.splitter.find(&mut node.order, &node.bounds);
         let split = node.split.as_ref();
         if fits_leaf && split.is_none_or(|split| !pays(config, count, &node.bounds, split.cost)) {
             node.split = None;
@@ -183,6 +183,9 @@ impl<O: Order, S: Splitter<O>> Context<'_, O, S> {
         let Split { left_count: mid, left, right, plan, .. } = split.expect("only inner nodes are opened");
         if let Some(plan) = plan {
             self.splitter.apply(&mut order, &plan);
+            if shapes.len() >= CHECK_MIN {
+                self.task.check()?;
+            }
         }
         let (left_order, right_order) = order.split_at(mid);
         let (left_shapes, right_shapes) = shapes.split_at_mut(mid);
