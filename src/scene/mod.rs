@@ -74,7 +74,11 @@ impl Scene {
     /// The geometry of a bounded shape.
     #[inline]
     pub fn shape(&self, shape: u32) -> Shape {
-        let slot = self.shapes[shape as usize];
+        self.shape_in(self.shapes[shape as usize])
+    }
+
+    #[inline]
+    fn shape_in(&self, slot: ShapeSlot) -> Shape {
         let i = slot.index as usize;
         match slot.kind {
             ShapeKind::Triangle => Shape::Triangle(self.triangle(slot.index)),
@@ -83,6 +87,24 @@ impl Scene {
             ShapeKind::Quad => Shape::Quad(self.quads[i]),
             ShapeKind::Torus => Shape::Torus(self.tori[i]),
         }
+    }
+
+    /// The geometry of many bounded shapes, in any order. A pass for each step from the shape to its corners, so that many
+    /// of the memory's answers are waited for at a time, and not one after the other.
+    pub fn gather(&self, shapes: &[u32]) -> Vec<Shape> {
+        let slots: Vec<ShapeSlot> = shapes.iter().map(|&shape| self.shapes[shape as usize]).collect();
+        let corners = slots.iter().map(|slot| match slot.kind {
+            ShapeKind::Triangle => self.mesh.triangles[slot.index as usize].position,
+            ShapeKind::Sphere | ShapeKind::Cuboid | ShapeKind::Quad | ShapeKind::Torus => [0; 3],
+        });
+        let corners: Vec<[u32; 3]> = corners.collect();
+        let shapes = slots.iter().zip(corners).map(|(&slot, corners)| match slot.kind {
+            ShapeKind::Triangle => {
+                Shape::Triangle(Triangle { v: corners.map(|i| self.mesh.positions[i as usize]) })
+            }
+            ShapeKind::Sphere | ShapeKind::Cuboid | ShapeKind::Quad | ShapeKind::Torus => self.shape_in(slot),
+        });
+        shapes.collect()
     }
 
     /// A triangle of the mesh by its index there (not its shape index).

@@ -16,7 +16,7 @@ pub const LANES: usize = 4;
 const GOES_ON: u32 = 1 << 31;
 
 /// Up to four triangles as structure of arrays. Lanes without a triangle hold NaN, which no ray hits.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, bytemuck::Zeroable)]
 #[repr(C, align(32))]
 pub struct TriangleBlock {
     /// `corners[corner][axis]`.

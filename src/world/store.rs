@@ -87,7 +87,8 @@ impl PrimStore {
     /// # Errors
     /// [`Cancelled`] when the task was.
     pub fn new(scene: &Scene, tree: &Tree, task: &Task) -> Result<Self, Cancelled> {
-        let mut store = Self { blocks: vec![TriangleBlock::EMPTY; tree.leaf_count()], ..Self::default() };
+        // Of pages that are first touched where they are filled.
+        let mut store = Self { blocks: bytemuck::zeroed_vec(tree.leaf_count()), ..Self::default() };
         let leaves = tree.leaves().par_chunks(LEAVES_A_PIECE);
         let pieces = store.blocks.par_chunks_mut(LEAVES_A_PIECE).zip(leaves).map(|(blocks, leaves)| {
             task.check()?;
@@ -106,12 +107,15 @@ impl PrimStore {
     /// Fills the blocks of some leaves and answers the rests of those that have one, `rest_of` by leaf.
     fn pack(scene: &Scene, refs: &[u32], leaves: &[LeafRange], blocks: &mut [TriangleBlock]) -> Self {
         let mut piece = Self::default();
+        let of_leaf = |leaf: &LeafRange| &refs[leaf.first as usize..][..leaf.count as usize];
+        let shapes: Vec<u32> = leaves.iter().flat_map(of_leaf).copied().collect();
+        let mut geometry = scene.gather(&shapes).into_iter();
         let mut triangles = Vec::new();
         for (i, (leaf, block)) in leaves.iter().zip(blocks).enumerate() {
             let mut rest = Rest::default();
             triangles.clear();
-            for &shape in &refs[leaf.first as usize..][..leaf.count as usize] {
-                match scene.shape(shape) {
+            for (&shape, geometry) in of_leaf(leaf).iter().zip(geometry.by_ref()) {
+                match geometry {
                     Shape::Triangle(triangle) => triangles.push((shape, triangle)),
                     Shape::Sphere(geometry) => {
                         rest.spheres

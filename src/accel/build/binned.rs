@@ -209,6 +209,8 @@ impl<S: Simd> Bins<S> {
     }
 }
 
+/// Tried and lost: boxes as two vectors of four, with an exact floor from additions alone for SSE2. A build of 69,451
+/// triangles executed 150 million instructions instead of 110 million, and took 5 to 10 percent longer.
 #[inline(always)]
 fn fill<S: Simd, const M: usize>(bins: &mut [Bin; M], refs: &[BuildRef], grid: &Grid<S>) {
     let simd = grid.origin.simd;
