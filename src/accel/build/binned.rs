@@ -3,10 +3,12 @@
 //! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007. All three axes are filled in one pass
 //! over the references and swept side by side, an axis a lane.
 
-use fearless_simd::{Level, Simd, dispatch, f32x4, f32x8, i32x4, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x8, i32x4, prelude::*};
 use rayon::prelude::*;
 
 use crate::accel::config::BuildConfig;
+use crate::accel::simd::SimdToken;
+use crate::at_level;
 use crate::task::Task;
 
 use super::bound::{Bound, center, half_areas};
@@ -20,7 +22,7 @@ const MOST_BINS: usize = *BuildConfig::BINS.end();
 pub struct Binned<'a> {
     bins: usize,
     task: &'a Task,
-    level: Level,
+    level: SimdToken,
 }
 
 /// The bin of a centroid: `floor(bins * (c - c_min) / (c_max - c_min))` clamped to the last, with
@@ -57,25 +59,25 @@ impl Splitter<RefSlice<'_>> for Binned<'_> {
 
     #[inline]
     fn find(&self, order: &mut RefSlice<'_>, _bounds: &Bound) -> Option<Split<BinPlane>> {
-        dispatch!(self.level, simd => find(simd, order.refs, self.bins, self.task))
+        at_level!(self.level, simd => find(simd, order.refs, self.bins, self.task))
     }
 
     #[inline]
     fn apply(&self, order: &mut RefSlice<'_>, plan: &BinPlane) {
-        dispatch!(self.level, simd => partition(simd, order.refs, plan, self.task));
+        at_level!(self.level, simd => partition(simd, order.refs, plan, self.task));
     }
 }
 
 impl<'a> Binned<'a> {
     /// Once the task is cancelled, what is found means nothing.
     pub fn new(bins: usize, task: &'a Task) -> Self {
-        Self { bins, task, level: Level::new() }
+        Self { bins, task, level: SimdToken::detect() }
     }
 
     /// The dense search, for comparison.
     #[cfg(test)]
     pub fn find_dense_for_tests(&self, refs: &[BuildRef]) -> Option<Split<BinPlane>> {
-        dispatch!(self.level, simd => find_dense::<_, MOST_BINS>(simd, refs, self.bins, self.task))
+        at_level!(self.level, simd => find_dense::<_, MOST_BINS>(simd, refs, self.bins, self.task))
     }
 }
 
