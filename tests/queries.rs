@@ -8,6 +8,7 @@ use glam::{Quat, Vec2, Vec3, Vec3Swizzles};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
+use bvhscope::accel::simd::SimdLevel;
 use bvhscope::accel::{BuildConfig, Builder, RayCounters, StopRule, Widen, Width, validate};
 use bvhscope::geometry::{
     Cuboid, Hit, Plane, PreparedRay, Quad, Ray, Rigid, Shape, ShapeHit, ShapeKind, Sphere, Torus, Triangle,
@@ -508,5 +509,39 @@ fn rays_that_are_no_rays_hit_nothing_and_stop_nothing() {
         assert_eq!(world.intersect(&ray, &mut ()), None, "{ray:?}");
         assert_eq!(world.occluded(&ray, &mut ()), None, "{ray:?}");
         assert_eq!(world.occluded_by_intersect(&ray, ShadowRule::Glass, &mut ()), None, "{ray:?}");
+    }
+}
+
+/// The walks of every level, side by side: the same hits to the last bit, and the same visits.
+#[test]
+fn every_level_of_instructions_gives_the_same_hits_and_counts() {
+    let levels: Vec<_> = SimdLevel::ALL.into_iter().filter(|level| level.is_available()).collect();
+    assert!(levels.len() > 2, "{levels:?}");
+    for scene in scenes() {
+        let scene = Arc::new(scene);
+        let rays = rays(&scene, 1500);
+        for width in Width::ALL {
+            for leaf in [1, 6] {
+                let worlds = levels
+                    .iter()
+                    .map(|&simd| build(&scene, &BuildConfig { width, leaf, simd, ..BuildConfig::default() }));
+                let mut answers = worlds.map(|world| {
+                    let ask = |ray: &Ray| {
+                        let mut counters = [RayCounters::default(); 3];
+                        let hit = world.intersect(ray, &mut counters[0]);
+                        let any = world.occluded(ray, &mut counters[1]);
+                        let blocking = world.occluded_by_intersect(ray, ShadowRule::Glass, &mut counters[2]);
+                        (hit, any, blocking, counters)
+                    };
+                    rays.iter().map(ask).collect::<Vec<_>>()
+                });
+                let first = answers.next().expect("a level");
+                for (level, answers) in levels[1..].iter().zip(answers) {
+                    for (ray, (a, b)) in rays.iter().zip(first.iter().zip(&answers)) {
+                        assert_eq!(a, b, "{level:?} of '{}', width {width:?}: {ray:?}", scene.name);
+                    }
+                }
+            }
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use bvhscope::accel::simd::SimdLevel;
 use bvhscope::accel::{BuildConfig, Builder, StopRule, Widen, Width};
 use bvhscope::export::session_file;
 use bvhscope::render::{
@@ -44,6 +45,7 @@ fn build() -> impl Strategy<Value = BuildConfig> {
         leaf,
         traversal_cost: ct,
         intersection_cost: ci,
+        simd: SimdLevel::Scalar,
     })
 }
 

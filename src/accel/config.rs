@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::simd::SimdLevel;
+
 /// How splits are found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -163,6 +165,8 @@ pub struct BuildConfig {
     pub traversal_cost: f32,
     /// C_i of the SAH cost: the price of testing a shape.
     pub intersection_cost: f32,
+    /// What the tree is built and its rays are traced with. Changes no tree, no hit and no count.
+    pub simd: SimdLevel,
 }
 
 impl Default for BuildConfig {
@@ -176,6 +180,7 @@ impl Default for BuildConfig {
             leaf: 2,
             traversal_cost: 1.0,
             intersection_cost: 1.0,
+            simd: SimdLevel::default(),
         }
     }
 }
@@ -191,6 +196,8 @@ pub enum ConfigError {
     Leaf { leaf: usize },
     #[error("{name} {value} is not a number above 0 and up to 1000")]
     Cost { name: &'static str, value: f32 },
+    #[error("this processor has no {name} instructions; it has {has}")]
+    Simd { name: &'static str, has: String },
 }
 
 impl BuildConfig {
@@ -227,6 +234,11 @@ impl BuildConfig {
             if !(value > 0.0 && value <= Self::MAX_COST) {
                 return Err(ConfigError::Cost { name, value });
             }
+        }
+        if !self.simd.is_available() {
+            let has: Vec<_> =
+                SimdLevel::ALL.into_iter().filter(|s| s.is_available()).map(SimdLevel::name).collect();
+            return Err(ConfigError::Simd { name: self.simd.name(), has: has.join(", ") });
         }
         Ok(())
     }

@@ -31,6 +31,8 @@ pub struct Workshop {
 impl Workshop {
     /// Opens the session's scene; warnings go to standard error.
     pub fn open(mut session: Session) -> Result<Self, CliError> {
+        // Of a session from another machine, perhaps.
+        session.build().check().map_err(anyhow::Error::from)?;
         let threads = session.render.threads;
         let pool = ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = Arc::new(pool.with_context(|| format!("cannot start {threads} threads"))?);

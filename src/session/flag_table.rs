@@ -6,6 +6,7 @@ use super::values::{
     camera_text, choices, float_text, no_choices, optional_text, read_camera, read_depths, read_float,
     read_int, read_named, read_optional, read_size, read_span, read_switch, span_text, switch_text,
 };
+use crate::accel::simd::SimdLevel;
 use crate::accel::{BuildConfig, Builder, StopRule, Widen, Width};
 use crate::render::{BoxColor, BoxStyle, ColorMap, CountKind, ToneMap, View};
 use crate::scene::{ShadowRule, UpAxis};
@@ -90,6 +91,20 @@ pub(super) static FLAGS: &[Flag] = &[
             read_float(text, MIN_COST..=BuildConfig::MAX_COST).map(|v| s.build_mut().intersection_cost = v)
         },
         get: |s| float_text(s.build().intersection_cost),
+    },
+    Flag {
+        name: "simd",
+        value_name: Some("LEVEL"),
+        group: FlagGroup::Tree,
+        help: "Instructions to build and trace with",
+        choices: choices::<SimdLevel>,
+        set: |s, text| {
+            let build = BuildConfig { simd: read_named(text)?, ..*s.build() };
+            build.check().map_err(|error| error.to_string())?;
+            *s.build_mut() = build;
+            Ok(())
+        },
+        get: |s| s.build().simd.name().to_owned(),
     },
     Flag {
         name: "camera",

@@ -8,6 +8,7 @@ use std::str::FromStr;
 
 use glam::Vec3;
 
+use crate::accel::simd::SimdLevel;
 use crate::accel::{Builder, StopRule, Widen, Width};
 use crate::render::{BoxColor, BoxStyle, ColorMap, CountKind, ToneMap, View};
 use crate::scene::{Camera, ShadowRule, UpAxis};
@@ -49,6 +50,7 @@ named! {
     Builder: Self::description;
     Width: |_| "";
     Widen: Self::description;
+    SimdLevel: Self::description;
     StopRule: Self::description;
     View: Self::description;
     CountKind: Self::description;

@@ -61,18 +61,20 @@ impl World {
         report.phases.push(pack_phase);
         let figures = TreeFigures::measure(&tree, config.traversal_cost, config.intersection_cost);
         let blockers = Blockers::new(&scene);
-        Ok(Self { scene, tree, report, figures, store, blockers, simd: SimdToken::detect() })
+        Ok(Self {
+            scene,
+            tree,
+            report,
+            figures,
+            store,
+            blockers,
+            simd: SimdToken::new(config.simd).unwrap_or_else(SimdToken::detect),
+        })
     }
 
     /// Tree and primitive store together, ready to trace, in bytes.
     pub fn bytes(&self) -> usize {
         self.tree.bytes() + self.store.bytes()
-    }
-
-    /// The same world, its rays traced with other instructions; with what it had if the processor does not have them.
-    #[must_use]
-    pub fn with_simd(self, level: SimdLevel) -> Self {
-        Self { simd: SimdToken::new(level).unwrap_or(self.simd), ..self }
     }
 
     /// What its rays are traced with.

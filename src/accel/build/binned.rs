@@ -70,8 +70,9 @@ impl Splitter<RefSlice<'_>> for Binned<'_> {
 
 impl<'a> Binned<'a> {
     /// Once the task is cancelled, what is found means nothing.
-    pub fn new(bins: usize, task: &'a Task) -> Self {
-        Self { bins, task, level: SimdToken::detect() }
+    pub fn new(config: &BuildConfig, task: &'a Task) -> Self {
+        let level = SimdToken::new(config.simd).unwrap_or_else(SimdToken::detect);
+        Self { bins: config.bins, task, level }
     }
 
     /// The dense search, for comparison.

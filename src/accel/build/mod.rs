@@ -122,7 +122,7 @@ fn build_wide<const N: usize>(
             if config.builder == Builder::Median {
                 top_down::build(order, &median::Median, config, task, clock)
             } else {
-                top_down::build(order, &binned::Binned::new(config.bins, task), config, task, clock)
+                top_down::build(order, &binned::Binned::new(config, task), config, task, clock)
             }
         }
     }

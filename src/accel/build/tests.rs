@@ -187,7 +187,7 @@ fn searches_among_few_references_give_the_dense_answer() {
                 let task = Task::new();
                 let at = |shape: u32| boxes[seed + shape as usize];
                 let mut refs = build_refs(count, at, &task).expect("not cancelled");
-                let splitter = binned::Binned::new(bins, &task);
+                let splitter = binned::Binned::new(&BuildConfig { bins, ..BuildConfig::default() }, &task);
                 let found = splitter.find(&mut RefSlice::new(&mut refs), &Bound::EMPTY);
                 let dense = splitter.find_dense_for_tests(&refs);
                 let told = |split: top_down::Split<binned::BinPlane>| {

@@ -7,9 +7,12 @@
 use fearless_simd::{Fallback, Level, SimdFloat, prelude::*};
 
 /// A set of instructions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SimdLevel {
+    /// The best that the processor has.
+    #[default]
+    Auto,
     Scalar,
     #[serde(rename = "sse4.2")]
     Sse42,
@@ -21,10 +24,11 @@ pub enum SimdLevel {
 }
 
 impl SimdLevel {
-    pub const ALL: [Self; 5] = [Self::Scalar, Self::Sse42, Self::Avx2, Self::Avx512, Self::Neon];
+    pub const ALL: [Self; 6] = [Self::Auto, Self::Scalar, Self::Sse42, Self::Avx2, Self::Avx512, Self::Neon];
 
     pub fn name(self) -> &'static str {
         match self {
+            Self::Auto => "auto",
             Self::Scalar => "scalar",
             Self::Sse42 => "sse4.2",
             Self::Avx2 => "avx2",
@@ -33,11 +37,19 @@ impl SimdLevel {
         }
     }
 
-    /// The best that this processor has.
-    pub fn detect() -> Self {
-        Self::ALL.into_iter().rev().find(|level| level.is_available()).unwrap_or(Self::Scalar)
+    /// One line for lists and tooltips.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Auto => "the best that the processor has",
+            Self::Scalar => "one number at a time, as far as the compiler keeps to it",
+            Self::Sse42 => "four numbers at a time, on x86",
+            Self::Avx2 => "eight numbers at a time, on x86 from about 2013 on",
+            Self::Avx512 => "the newer instructions for eight numbers, on x86 from Ice Lake and Zen 4 on",
+            Self::Neon => "four numbers at a time, on ARM",
+        }
     }
 
+    /// Whether this processor has it.
     pub fn is_available(self) -> bool {
         SimdToken::new(self).is_some()
     }
@@ -62,6 +74,11 @@ impl SimdToken {
     pub fn new(level: SimdLevel) -> Option<Self> {
         let found = Level::new();
         match level {
+            SimdLevel::Auto => {
+                [SimdLevel::Neon, SimdLevel::Avx512, SimdLevel::Avx2, SimdLevel::Sse42, SimdLevel::Scalar]
+                    .into_iter()
+                    .find_map(Self::new)
+            }
             SimdLevel::Scalar => Some(Self::Scalar(Fallback::new())),
             #[cfg(target_arch = "x86_64")]
             SimdLevel::Sse42 => found.as_sse4_2().map(Self::Sse42),
@@ -80,7 +97,7 @@ impl SimdToken {
 
     /// The best that this processor has.
     pub fn detect() -> Self {
-        Self::new(SimdLevel::detect()).expect("it was found to be there")
+        Self::new(SimdLevel::Auto).unwrap_or(Self::Scalar(Fallback::new()))
     }
 
     pub fn level(self) -> SimdLevel {

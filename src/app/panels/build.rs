@@ -163,7 +163,7 @@ fn report(ui: &mut Ui, view: &AppView) {
     let report = &world.report;
     let sah = figures.sah_cost.map(|c| c.total());
     let (bytes, bytes_unit) = numbers::bytes(world.bytes());
-    let threads = format!("{} threads.", report.threads);
+    let threads = format!("{} threads, {} instructions.", report.threads, world.simd_level().name());
     let p = view.palette;
     figure(
         Term::BuildTime,

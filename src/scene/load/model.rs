@@ -1,6 +1,7 @@
 //! What the readers of all formats fill: triangles with materials, the file's own face numbers, and what was repaired.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -14,6 +15,10 @@ use crate::scene::{Color, Image, Material, MaterialKind, Mesh, MeshTriangle, Sce
 
 /// Coordinates beyond this are taken for damage: areas and volumes of boxes must stay finite in single precision.
 pub(super) const MAX_COORDINATE: f32 = 1e12;
+
+/// Copies of one triangle that are kept. A ray that hits one must ask them all, since each may be the first in the file:
+/// a million of them would take hours, and say nothing more.
+const MAX_COPIES: usize = 256;
 
 /// A corner of a face: indices into the mesh's arrays, `NO_INDEX` for what it has not.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +39,7 @@ pub(super) struct Removed {
     pub not_finite: usize,
     pub too_few_corners: usize,
     pub too_many_corners: usize,
+    pub copies: usize,
 }
 
 /// A model in the making.
@@ -131,6 +137,7 @@ impl Model {
 
     /// The scene, framed and lit, with the warnings.
     pub fn finish(mut self, name: &str, up: UpAxis) -> Result<(Scene, Vec<String>), Fault> {
+        self.leave_out_copies();
         self.warn_of_removed();
         if self.mesh.triangles.is_empty() {
             let what = match self.face_count {
@@ -162,12 +169,57 @@ impl Model {
         Ok((scene, self.warnings))
     }
 
+    /// Keeps [`MAX_COPIES`] triangles with the very same corners.
+    fn leave_out_copies(&mut self) {
+        let positions = &self.mesh.positions;
+        let corners =
+            |t: &MeshTriangle| t.position.map(|i| positions[i as usize].to_array().map(f32::to_bits));
+        let hashes: Vec<u64> = self
+            .mesh
+            .triangles
+            .par_iter()
+            .map(|t| BuildHasherDefault::<DefaultHasher>::new().hash_one(corners(t)))
+            .collect();
+        let mut sorted = hashes.clone();
+        sorted.par_sort_unstable();
+        // Equal numbers side by side; almost always none is there that often.
+        let often: HashSet<u64> =
+            sorted.windows(MAX_COPIES + 1).filter(|w| w[0] == w[MAX_COPIES]).map(|w| w[0]).collect();
+        if often.is_empty() {
+            return;
+        }
+        let mut seen: HashMap<_, usize> = HashMap::new();
+        let keep: Vec<bool> = self
+            .mesh
+            .triangles
+            .iter()
+            .zip(&hashes)
+            .map(|(triangle, hash)| {
+                if !often.contains(hash) {
+                    return true;
+                }
+                let copies = seen.entry(corners(triangle)).or_default();
+                *copies += 1;
+                *copies <= MAX_COPIES
+            })
+            .collect();
+        fn retain<T>(all: &mut Vec<T>, keep: &[bool]) {
+            let mut keep = keep.iter();
+            all.retain(|_| keep.next().is_none_or(|k| *k));
+        }
+        self.removed.copies = keep.iter().filter(|k| !**k).count();
+        retain(&mut self.mesh.triangles, &keep);
+        retain(&mut self.shape_materials, &keep);
+        retain(&mut self.faces, &keep);
+    }
+
     fn warn_of_removed(&mut self) {
         for (count, why) in [
             (self.removed.outside, "pointing to a vertex that the file does not have"),
             (self.removed.not_finite, "with a coordinate that is not a number, infinite, or beyond 1e12"),
             (self.removed.too_few_corners, "with fewer than three corners"),
             (self.removed.too_many_corners, "with more than 65,536 corners"),
+            (self.removed.copies, "lying exactly on more than 256 others"),
         ] {
             if count > 0 {
                 self.warn(format!("{} {why} left out", counted(count, "face")));
