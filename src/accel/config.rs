@@ -237,7 +237,7 @@ impl BuildConfig {
         }
         if !self.simd.is_available() {
             let has: Vec<_> =
-                SimdLevel::ALL.into_iter().filter(|s| s.is_available()).map(SimdLevel::name).collect();
+                SimdLevel::ALL[1..].iter().filter(|s| s.is_available()).map(|s| s.name()).collect();
             return Err(ConfigError::Simd { name: self.simd.name(), has: has.join(", ") });
         }
         Ok(())

@@ -72,7 +72,7 @@ pub struct PreparedRay {
     pub k: [usize; 3],
     /// The origin in permuted axes.
     pub origin: [f32; 3],
-    /// Shear `(d.x / d.z, d.y / d.z, 1 / d.z)` in permuted axes.
+    /// Shear `(d.x / d.z, d.y / d.z, 1 / d.z)` in permuted axes, up to rounding.
     pub shear: [f32; 3],
 }
 
@@ -94,13 +94,15 @@ impl PreparedRay {
         let kz = (1 - is_x) * (2 - is_y);
         let k = PERMUTATIONS[2 * kz + usize::from(d[kz] < 0.0)];
         let origin = ray.origin.to_array();
-        let (x, y, z) = (d[k[0]], d[k[1]], d[k[2]]);
+        let inv_direction = ray.direction.recip();
+        // Not by three more divisions: any shear will do, as long as it is the same for all triangles.
+        let inv_z = inv_direction.to_array()[k[2]];
         Self {
             ray,
-            inv_direction: ray.direction.recip(),
+            inv_direction,
             k,
             origin: [origin[k[0]], origin[k[1]], origin[k[2]]],
-            shear: [x / z, y / z, 1.0 / z],
+            shear: [d[k[0]] * inv_z, d[k[1]] * inv_z, inv_z],
         }
     }
 }

@@ -168,7 +168,17 @@ mod tests {
         for flag in flags() {
             for choice in (flag.choices)() {
                 let mut session = Session::default();
-                flag.read(&mut session, choice.name).expect(choice.name);
+                let read = flag.read(&mut session, choice.name);
+                // Of the instructions a processor has some only.
+                if flag.name == "simd" && read.is_err() {
+                    let reason = read.expect_err("an error").to_string();
+                    assert!(
+                        reason.contains("this processor has no") && reason.contains("scalar"),
+                        "{reason}"
+                    );
+                    continue;
+                }
+                read.expect(choice.name);
                 assert_eq!(flag.write(&session), choice.name, "--{}", flag.name);
             }
         }

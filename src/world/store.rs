@@ -231,9 +231,14 @@ impl PrimStore {
         }
         let rest = self.rest(leaf_idx);
         let query = Any { ray, t_min, blocks };
-        let mut more = rest.blocks.of(&self.more_blocks).iter();
-        more.find_map(|block| any_of_block(block, &lane_ray, t_min, blocks, probe))
-            .or_else(|| query.among(rest.spheres.of(&self.spheres), Sphere::intersect_in, probe))
+        for block in rest.blocks.of(&self.more_blocks) {
+            let found = any_of_block(block, &lane_ray, t_min, blocks, probe);
+            if found.is_some() {
+                return found;
+            }
+        }
+        query
+            .among(rest.spheres.of(&self.spheres), Sphere::intersect_in, probe)
             .or_else(|| query.among(rest.cuboids.of(&self.cuboids), Cuboid::intersect_in, probe))
             .or_else(|| query.among(rest.quads.of(&self.quads), Quad::intersect_in, probe))
             .or_else(|| query.among(rest.tori.of(&self.tori), Torus::intersect_in, probe))
@@ -267,11 +272,18 @@ fn any_of_block<S: Simd, P: Probe>(
     probe.shapes_tested(block.count());
     let t_max = ray.t_max();
     let candidates = block.candidates(ray, t_max);
-    candidates.lanes().find_map(|lane| {
+    // A loop: a closure would not be compiled for the level's instructions.
+    for lane in candidates.lanes() {
         let shape = block.shape(lane);
-        let stops = || block.confirm(&candidates, lane, ray, t_min(shape), t_max).is_some();
-        (blocks(shape) && stops()).then_some(shape)
-    })
+        if blocks(shape) {
+            let t_min = t_min(shape);
+            let sure = candidates.is_sure(lane) && t_min == ray.t_min();
+            if sure || block.confirm(&candidates, lane, ray, t_min, t_max).is_some() {
+                return Some(shape);
+            }
+        }
+    }
+    None
 }
 
 /// Replaces `hit` by what `shape` answered if that is nearer.

@@ -274,18 +274,36 @@ fn walk<S: Simd, const N: usize, L: LeafIntersector, Q: Query<L>, P: Probe>(
             }
             let node = &bvh.nodes[next.0 as usize];
             probe.inner_visited(next.0, node.child_count() as u32);
-            let Entered { mut slots, entries } = node.enter(simd, &lanes, query.t_max());
+            let Entered { slots, entries } = node.enter(simd, &lanes, query.t_max());
             if slots != 0 {
-                let slot = slots.trailing_zeros() as usize;
-                let mut nearest = Waiting::new(node.children[slot], entries[slot]);
-                let bottom = height;
-                loop {
-                    slots &= slots - 1;
-                    if slots == 0 {
-                        break;
-                    }
+                let take = |slots: u32| {
                     let slot = slots.trailing_zeros() as usize;
-                    let other = Waiting::new(node.children[slot], entries[slot]);
+                    (Waiting::new(node.children[slot], entries[slot]), slots & (slots - 1))
+                };
+                // One, two and three children are the common cases, and sorted without a branch.
+                let (first, rest) = take(slots);
+                if rest == 0 {
+                    next = first.child();
+                    continue;
+                }
+                let (second, rest) = take(rest);
+                let (near, far) = (first.min(second), first.max(second));
+                if rest == 0 {
+                    stack[height] = far;
+                    height += 1;
+                    next = near.child();
+                    continue;
+                }
+                let (third, mut rest) = take(rest);
+                let mut nearest = near.min(third);
+                let third = near.max(third);
+                stack[height] = far.max(third);
+                stack[height + 1] = far.min(third);
+                let bottom = height;
+                height += 2;
+                while rest != 0 {
+                    let (other, left) = take(rest);
+                    rest = left;
                     let farther = nearest.max(other);
                     nearest = nearest.min(other);
                     let mut at = height;
