@@ -174,6 +174,9 @@ fn most<S: Simd>([a, b, c]: [f32x4<S>; 3]) -> f32x4<S> {
     a.abs().max(b.abs()).max(c.abs())
 }
 
+/// The share of error in the determinant from which on nothing is taken for known: the bounds hold to first order only.
+const MOST_DET_ERROR: f32 = 0.25;
+
 /// What rounding errors leave no doubt about.
 struct Bounded {
     /// Lanes whose hits lie before `t_min` or behind `t_max`.
@@ -217,8 +220,8 @@ fn bounded<S: Simd>(
     let [a, b, c] = edges;
     let inside =
         from.simd_gt(t_min) & to.simd_lt(t_max) & a.abs().min(b.abs()).min(c.abs()).simd_gt(e_error * 2.0);
-    // Where the determinant may be nothing but error, nothing is known. A NaN says nothing either.
-    let known = det_share.simd_lt(spread(simd, 0.25));
+    // A NaN says nothing.
+    let known = det_share.simd_lt(spread(simd, MOST_DET_ERROR));
     Bounded { outside: (outside & known).to_bitmask() as u32, inside: (inside & known).to_bitmask() as u32 }
 }
 

@@ -61,15 +61,7 @@ impl World {
         report.phases.push(pack_phase);
         let figures = TreeFigures::measure(&tree, config.traversal_cost, config.intersection_cost);
         let blockers = Blockers::new(&scene);
-        Ok(Self {
-            scene,
-            tree,
-            report,
-            figures,
-            store,
-            blockers,
-            simd: SimdToken::new(config.simd).unwrap_or_else(SimdToken::detect),
-        })
+        Ok(Self { scene, tree, report, figures, store, blockers, simd: SimdToken::of(config) })
     }
 
     /// Tree and primitive store together, ready to trace, in bytes.

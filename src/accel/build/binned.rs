@@ -71,8 +71,7 @@ impl Splitter<RefSlice<'_>> for Binned<'_> {
 impl<'a> Binned<'a> {
     /// Once the task is cancelled, what is found means nothing.
     pub fn new(config: &BuildConfig, task: &'a Task) -> Self {
-        let level = SimdToken::new(config.simd).unwrap_or_else(SimdToken::detect);
-        Self { bins: config.bins, task, level }
+        Self { bins: config.bins, task, level: SimdToken::of(config) }
     }
 
     /// The dense search, for comparison.

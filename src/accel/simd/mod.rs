@@ -1,10 +1,13 @@
-//! Which instructions rays are traced with: found once when the program starts, or forced, and passed on as a value.
+//! Which instructions trees are built and rays are traced with: the best there are, or a forced level, passed on as a
+//! value.
 //!
 //! The vectors are those of `fearless_simd`: the same code for every level, compiled once for each. Every operation used
 //! here rounds as its scalar twin does and no multiplication is fused with an addition, so all levels give the same
 //! answers and count the same visits, bit for bit.
 
 use fearless_simd::{Fallback, Level, SimdFloat, prelude::*};
+
+use super::config::BuildConfig;
 
 /// A set of instructions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -95,9 +98,10 @@ impl SimdToken {
         }
     }
 
-    /// The best that this processor has.
-    pub fn detect() -> Self {
-        Self::new(SimdLevel::Auto).unwrap_or(Self::Scalar(Fallback::new()))
+    /// The level of a checked build configuration; the best there is if the processor does not have it.
+    pub fn of(config: &BuildConfig) -> Self {
+        let found = Self::new(config.simd).or_else(|| Self::new(SimdLevel::Auto));
+        found.unwrap_or(Self::Scalar(Fallback::new()))
     }
 
     pub fn level(self) -> SimdLevel {

@@ -34,7 +34,7 @@ impl TreeRay {
         let flipped = inv.simd_lt(spread(0.0));
         let near = (flipped.select(max, min) - near_origin) * inv;
         let far = (flipped.select(min, max) - far_origin) * inv;
-        // The fourth lanes are 0 here, and t_min and t_max are not passed by a NaN.
+        // A NaN (0 * infinity) says nothing. The fourth lanes are not looked at.
         let near = greater_or(simd, near, spread(f32::NEG_INFINITY));
         let far = less_or(simd, far, spread(f32::INFINITY));
         let [near_x, near_y, near_z, _] = near.to_array();

@@ -219,7 +219,7 @@ impl Model {
             (self.removed.not_finite, "with a coordinate that is not a number, infinite, or beyond 1e12"),
             (self.removed.too_few_corners, "with fewer than three corners"),
             (self.removed.too_many_corners, "with more than 65,536 corners"),
-            (self.removed.copies, "lying exactly on more than 256 others"),
+            (self.removed.copies, "lying exactly on 256 others"),
         ] {
             if count > 0 {
                 self.warn(format!("{} {why} left out", counted(count, "face")));
