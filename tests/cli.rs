@@ -275,7 +275,10 @@ fn compare_holds_two_settings_against_each_other() {
     let page = stdout(&mut small("compare", &["--b", "--leaf 8"]));
     assert!(page.contains("B - A") && page.contains("leaf limit"), "{page}");
     assert!(refusal(&mut small("compare", &[]), 2).contains("--a"));
-    assert!(refusal(&mut small("compare", &["--a", "--builder best"]), 2).contains("median, sweep, binned"));
+    assert!(
+        refusal(&mut small("compare", &["--a", "--builder best"]), 2)
+            .contains("median, sweep, binned, spatial")
+    );
 }
 
 #[test]
@@ -392,7 +395,7 @@ fn help_says_every_flag_with_its_default() {
 #[test]
 fn wrong_usage_is_two() {
     for (words, expected) in [
-        (&["stats", "--builder", "best"][..], "median, sweep, binned"),
+        (&["stats", "--builder", "best"][..], "median, sweep, binned, spatial"),
         (&["stats", "--view", "noise"], "nodes-visited"),
         (&["stats", "--bins", "1"], "2 to 256"),
         (&["stats", "--leaf", "65"], "1 to 64"),

@@ -12,10 +12,11 @@ pub enum Builder {
     Sweep,
     #[default]
     Binned,
+    Spatial,
 }
 
 impl Builder {
-    pub const ALL: [Self; 3] = [Self::Median, Self::Sweep, Self::Binned];
+    pub const ALL: [Self; 4] = [Self::Median, Self::Sweep, Self::Binned, Self::Spatial];
 
     /// The stable name, as in `--builder NAME`.
     pub fn name(self) -> &'static str {
@@ -23,6 +24,7 @@ impl Builder {
             Self::Median => "median",
             Self::Sweep => "sweep",
             Self::Binned => "binned",
+            Self::Spatial => "spatial",
         }
     }
 
@@ -34,13 +36,19 @@ impl Builder {
             }
             Self::Sweep => "full sweep: every position on all three axes, least SAH split cost",
             Self::Binned => "binned SAH: the same over a few bins instead of every position",
+            Self::Spatial => "binned SAH with spatial splits: large shapes are cut where boxes would overlap",
         }
+    }
+
+    /// Whether a shape may be in several leaves.
+    pub fn duplicates(self) -> bool {
+        self == Self::Spatial
     }
 
     /// Whether `--bins` changes the tree.
     pub fn uses_bins(self) -> bool {
         match self {
-            Self::Binned => true,
+            Self::Binned | Self::Spatial => true,
             Self::Median | Self::Sweep => false,
         }
     }

@@ -10,7 +10,7 @@ pub mod tree;
 pub mod validate;
 pub mod widen;
 
-pub use build::{BuildPhase, BuildReport, build, build_over};
+pub use build::{BuildPhase, BuildReport, Shapes, build, build_over};
 pub use config::{BuildConfig, Builder, ConfigError, StopRule, Widen, Width};
 pub use traverse::{LeafIntersector, Probe, RayCounters};
 pub use tree::{Bvh2, ChildRef, NodeId, NodeKind, NodeView, Tree, WideBvh};

@@ -11,8 +11,10 @@ use super::tree::{ChildRef, NodeId, Tree, WideBvh};
 pub enum Violation {
     #[error("shape {shape} is in no leaf")]
     ShapeMissing { shape: u32 },
-    #[error("shape {shape} is referenced {count} times")]
-    ShapeRepeated { shape: u32, count: usize },
+    #[error("shape {shape} is referenced {count} times in leaf {node:?}")]
+    ShapeRepeated { shape: u32, count: usize, node: NodeId },
+    #[error("the leaves with parts of shape {shape} do not reach all sides of its box")]
+    NotCovered { shape: u32 },
     #[error("node {node:?} does not contain what is below it")]
     NotContained { node: NodeId },
     #[error("node {node:?} is larger than what is below it")]
@@ -34,31 +36,36 @@ const MOST: usize = 100;
 /// set, so any tree can be checked.
 pub fn validate(tree: &Tree, boxes: &[Aabb]) -> Vec<Violation> {
     let mut found = Vec::new();
-    check_shapes(tree, boxes.len(), &mut found);
-    each_width!(tree, t => check_nodes(t, boxes, &mut found));
+    let counts = check_shapes(tree, boxes.len(), &mut found);
+    each_width!(tree, t => check_nodes(t, boxes, &counts, &mut found));
     found.truncate(MOST);
     found
 }
 
-fn check_shapes(tree: &Tree, shape_count: usize, found: &mut Vec<Violation>) {
+/// How many leaves refer to each shape: spatial splits make several, each with a part of it.
+fn check_shapes(tree: &Tree, shape_count: usize, found: &mut Vec<Violation>) -> Vec<usize> {
     let mut counts = vec![0_usize; shape_count];
     for (leaf_idx, leaf) in tree.leaves().iter().enumerate() {
         let range = leaf.first as usize..leaf.first as usize + leaf.count as usize;
         let shapes = tree.refs().get(range).filter(|shapes| !shapes.is_empty());
         let known = shapes.filter(|shapes| shapes.iter().all(|&s| (s as usize) < shape_count));
+        let node = NodeId((tree.inner_count() + leaf_idx) as u32);
         let Some(shapes) = known else {
-            found.push(Violation::BadLeaf { node: NodeId((tree.inner_count() + leaf_idx) as u32) });
+            found.push(Violation::BadLeaf { node });
             continue;
         };
-        shapes.iter().for_each(|&shape| counts[shape as usize] += 1);
-    }
-    for (shape, &count) in counts.iter().enumerate() {
-        match count {
-            0 => found.push(Violation::ShapeMissing { shape: shape as u32 }),
-            1 => {}
-            _ => found.push(Violation::ShapeRepeated { shape: shape as u32, count }),
+        let mut sorted = shapes.to_vec();
+        sorted.sort_unstable();
+        for same in sorted.chunk_by(|a, b| a == b) {
+            counts[same[0] as usize] += 1;
+            if same.len() > 1 {
+                found.push(Violation::ShapeRepeated { shape: same[0], count: same.len(), node });
+            }
         }
     }
+    let missing = counts.iter().enumerate().filter(|(_, count)| **count == 0);
+    found.extend(missing.map(|(shape, _)| Violation::ShapeMissing { shape: shape as u32 }));
+    counts
 }
 
 /// A child slot on the way down: what it points at, the box it claims, the depth.
@@ -68,7 +75,14 @@ struct Claim {
     depth: u32,
 }
 
-fn check_nodes<const N: usize>(bvh: &WideBvh<N>, boxes: &[Aabb], found: &mut Vec<Violation>) {
+fn check_nodes<const N: usize>(
+    bvh: &WideBvh<N>,
+    boxes: &[Aabb],
+    counts: &[usize],
+    found: &mut Vec<Violation>,
+) {
+    // What the leaves hold of the shapes that are in several.
+    let mut covered = vec![Aabb::EMPTY; if counts.iter().any(|&c| c > 1) { boxes.len() } else { 0 }];
     let inner_count = bvh.nodes.len();
     let mut seen = vec![false; inner_count + bvh.leaves.len()];
     let mut open = vec![Claim { child: bvh.root, bounds: bvh.bounds, depth: 0 }];
@@ -85,7 +99,23 @@ fn check_nodes<const N: usize>(bvh: &WideBvh<N>, boxes: &[Aabb], found: &mut Vec
             found.push(Violation::TooDeep { node, depth });
         }
         let content = match child.as_leaf() {
-            Some(leaf_idx) => leaf_content(bvh, leaf_idx, boxes),
+            Some(leaf_idx) => {
+                let mut content = Aabb::EMPTY;
+                let mut in_parts = false;
+                for &shape in leaf_shapes(bvh, leaf_idx) {
+                    let Some(&whole) = boxes.get(shape as usize) else { continue };
+                    if counts[shape as usize] == 1 {
+                        content = content.union(whole);
+                        continue;
+                    }
+                    in_parts = true;
+                    let part = whole.intersection(bounds);
+                    covered[shape as usize] = covered[shape as usize].union(part);
+                    content = content.union(part);
+                }
+                // A part of a shape may be smaller than the part of its box.
+                if in_parts && bounds.contains(&content) { bounds } else { content }
+            }
             None => {
                 let slots = 0..N;
                 let wide = &bvh.nodes[node.0 as usize];
@@ -103,15 +133,17 @@ fn check_nodes<const N: usize>(bvh: &WideBvh<N>, boxes: &[Aabb], found: &mut Vec
             found.push(Violation::NotTight { node });
         }
     }
+    let in_parts = covered.iter().enumerate().filter(|(shape, _)| counts[*shape] > 1);
+    let uncovered = in_parts.filter(|(shape, covered)| !covered.contains(&boxes[*shape]));
+    found.extend(uncovered.map(|(shape, _)| Violation::NotCovered { shape: shape as u32 }));
     let lost = seen.iter().enumerate().filter(|(_, seen)| !**seen);
     found.extend(lost.map(|(id, _)| Violation::Unreachable { node: NodeId(id as u32) }));
 }
 
-fn leaf_content<const N: usize>(bvh: &WideBvh<N>, leaf_idx: u32, boxes: &[Aabb]) -> Aabb {
+fn leaf_shapes<const N: usize>(bvh: &WideBvh<N>, leaf_idx: u32) -> &[u32] {
     let leaf = bvh.leaves[leaf_idx as usize];
     let range = leaf.first as usize..leaf.first as usize + leaf.count as usize;
-    let shapes = bvh.refs.get(range).unwrap_or_default();
-    shapes.iter().filter_map(|&s| boxes.get(s as usize)).fold(Aabb::EMPTY, |all, b| all.union(*b))
+    bvh.refs.get(range).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -145,9 +177,26 @@ mod tests {
         assert!(cycle.contains(&Violation::BadLink { node: NodeId(0) }), "{cycle:?}");
         let outside = broken(|t| t.nodes[0].children[1] = ChildRef::inner(1000));
         assert!(outside.contains(&Violation::BadLink { node: NodeId(1000) }), "{outside:?}");
-        let twice = broken(|t| t.refs[1] = t.refs[0]);
+        let lost_shape = broken(|t| t.refs[1] = t.refs[0]);
+        assert!(lost_shape.iter().any(|v| matches!(v, Violation::ShapeMissing { .. })), "{lost_shape:?}");
+        let twice = broken(|t| {
+            let leaf = t.leaves.iter().find(|leaf| leaf.count == 2).expect("a leaf of two");
+            t.refs[leaf.first as usize + 1] = t.refs[leaf.first as usize];
+        });
         assert!(twice.iter().any(|v| matches!(v, Violation::ShapeRepeated { count: 2, .. })), "{twice:?}");
-        assert!(twice.iter().any(|v| matches!(v, Violation::ShapeMissing { .. })), "{twice:?}");
+        let uncovered = broken(|t| {
+            let shape = t.refs[0];
+            t.refs[1] = shape;
+            for node in &mut t.nodes {
+                for slot in 0..2 {
+                    if node.children[slot] == ChildRef::leaf(0) {
+                        node.sides[0][slot] += 0.5;
+                    }
+                }
+            }
+        });
+        let expected = Violation::NotCovered { shape: 0 };
+        assert!(uncovered.contains(&expected), "{uncovered:?}");
         let empty_leaf = broken(|t| t.leaves[0].count = 0);
         assert!(empty_leaf.iter().any(|v| matches!(v, Violation::BadLeaf { .. })), "{empty_leaf:?}");
         let lost = broken(|t| t.nodes[0].children[1] = ChildRef::EMPTY);

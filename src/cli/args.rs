@@ -207,7 +207,7 @@ mod tests {
     fn wrong_values_say_what_is_allowed() {
         for (text, expected) in [
             ("--bins 300", "--bins '300': allowed is a whole number from 2 to 256"),
-            ("--builder best", "possible values: median, sweep, binned"),
+            ("--builder best", "possible values: median, sweep, binned, spatial"),
             ("--view nodes", "nodes-visited"),
             ("--size 10", "WIDTHxHEIGHT"),
             ("render", "--out"),

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 /// A ray segment: points `origin + t * direction` for `t_min <= t <= t_max`. The direction need not be of unit length;
 /// t is in units of it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[repr(C)]
 pub struct Ray {
     pub origin: Vec3,
     pub direction: Vec3,
@@ -20,6 +21,13 @@ impl Ray {
     #[inline]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
+    }
+
+    /// The largest t of a hit. An infinite `t_max` becomes the largest finite one: no hit lies further, and a box beside an
+    /// axis-parallel ray, which the ray enters at infinity, is then behind its end.
+    #[inline(always)]
+    pub fn last(&self) -> f32 {
+        self.t_max.min(f32::MAX)
     }
 
     #[inline]
@@ -81,20 +89,20 @@ pub struct PreparedRay {
 const PERMUTATIONS: [[usize; 3]; 6] = [[1, 2, 0], [2, 1, 0], [2, 0, 1], [0, 2, 1], [0, 1, 2], [1, 0, 2]];
 
 impl PreparedRay {
-    /// An infinite `t_max` becomes the largest finite one: no hit lies further, and a box beside an axis-parallel ray,
-    /// which the ray enters at infinity, is then behind its end.
-    #[inline]
+    /// [`Ray::last`] becomes `t_max`.
+    #[inline(always)]
     pub fn new(ray: Ray) -> Self {
-        let ray = Ray { t_max: ray.t_max.min(f32::MAX), ..ray };
+        let ray = Ray { t_max: ray.last(), ..ray };
         let d = ray.direction.to_array();
-        let a = d.map(f32::abs);
+        let a = [d[0].abs(), d[1].abs(), d[2].abs()];
         // Without branches: which axis is the largest is anyone's guess. As x, else y, else z of equally large ones.
         let is_x = usize::from(a[0] >= a[1] && a[0] >= a[2]);
         let is_y = usize::from(a[1] >= a[2]);
         let kz = (1 - is_x) * (2 - is_y);
         let k = PERMUTATIONS[2 * kz + usize::from(d[kz] < 0.0)];
         let origin = ray.origin.to_array();
-        let inv_direction = ray.direction.recip();
+        // One division of four lanes.
+        let inv_direction = ray.direction.extend(1.0).recip().truncate();
         // Not by three more divisions: any shear will do, as long as it is the same for all triangles.
         let inv_z = inv_direction.to_array()[k[2]];
         Self {

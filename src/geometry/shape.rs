@@ -170,6 +170,18 @@ impl Shape {
         each_shape!(self, s => s.clipped_bounds(clip))
     }
 
+    /// A box around the part between two planes across `axis` (empty if there is none): exact for triangles and quads but
+    /// for rounding outwards, an upper bound for the others.
+    pub fn bounds_between(&self, axis: usize, from: f32, to: f32) -> Aabb {
+        if let Self::Triangle(triangle) = self {
+            return triangle.bounds_between(axis, from, to);
+        }
+        let mut clip = self.bounds();
+        clip.min[axis] = clip.min[axis].max(from);
+        clip.max[axis] = clip.max[axis].min(to);
+        if clip.is_empty() { Aabb::EMPTY } else { self.clipped_bounds(&clip) }
+    }
+
     /// The area of the part inside `clip`: exact for triangles, quads and cuboids, estimated on
     /// a fixed set of points for the others.
     pub fn area_inside(&self, clip: &Aabb) -> f32 {

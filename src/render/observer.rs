@@ -2,7 +2,7 @@
 
 use crate::accel::traverse::hits_root;
 use crate::accel::{Probe, RayCounters, Tree};
-use crate::geometry::{PreparedRay, Ray};
+use crate::geometry::Ray;
 
 use super::views::CountKind;
 
@@ -109,7 +109,7 @@ impl RayObserver for CountRays<'_> {
     fn begin(&mut self, kind: RayKind, ray: &Ray) -> &mut RayCounters {
         self.counting = self.count.includes(kind);
         self.current = RayCounters::default();
-        if self.counting && self.tree.is_some_and(|tree| !hits_root(tree, &PreparedRay::new(*ray))) {
+        if self.counting && self.tree.is_some_and(|tree| !hits_root(tree, ray)) {
             self.missed_root_count += 1;
         }
         &mut self.current

@@ -233,7 +233,10 @@ mod tests {
         assert_eq!(read_int("300", 2..=256).unwrap_err(), "allowed is a whole number from 2 to 256");
         assert_eq!(read_int("8.5", 2..=256).unwrap_err(), "allowed is a whole number from 2 to 256");
         assert_eq!(read_float("NaN", 0.0..=1.0).unwrap_err(), "allowed is a number from 0 to 1");
-        assert_eq!(read_named::<Builder>("best").unwrap_err(), "choose one of median, sweep, binned");
+        assert_eq!(
+            read_named::<Builder>("best").unwrap_err(),
+            "choose one of median, sweep, binned, spatial"
+        );
         assert!(read_size("0x720").unwrap_err().contains("1280x720"));
         assert!(read_span("5..4.9").unwrap_err().contains("LO not above HI"));
         assert_eq!(read_span("5..5"), Ok([5.0, 5.0]));

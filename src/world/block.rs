@@ -3,11 +3,11 @@
 //! The edge test runs on all lanes. Of the lanes that pass it, those whose distance cannot matter are dropped by an error
 //! bound, and what is left is confirmed one by one in double precision.
 
-use fearless_simd::{Simd, f32x4, prelude::*};
+use fearless_simd::{Simd, f32x4, mask32x4, prelude::*};
 use glam::Vec3;
 
 use crate::geometry::triangle::{Sheared, edges, shear};
-use crate::geometry::{Hit, PreparedRay, ShapeHit, Triangle};
+use crate::geometry::{Hit, PreparedRay, Ray, ShapeHit, Triangle};
 
 /// Triangles in a block.
 pub const LANES: usize = 4;
@@ -52,6 +52,11 @@ impl<'a, S: Simd> LaneRay<'a, S> {
     }
 
     #[inline(always)]
+    pub fn ray(&self) -> &'a PreparedRay {
+        self.ray
+    }
+
+    #[inline(always)]
     pub fn t_min(&self) -> f32 {
         self.ray.ray.t_min
     }
@@ -71,6 +76,11 @@ pub struct Candidates<S: Simd> {
     lanes: u32,
     /// Those of them that are hit in the interval for sure: what confirms a hit would not say otherwise.
     sure: u32,
+    /// Those of them that are hit behind `t_min` for sure, if at all in time.
+    inside: u32,
+    /// The distance of each, which is known to lie strictly between these.
+    lower: f32x4<S>,
+    upper: f32x4<S>,
 }
 
 impl TriangleBlock {
@@ -112,8 +122,15 @@ impl TriangleBlock {
         self.shapes.iter().map(|&shape| u32::from(shape != Hit::NO_SHAPE)).sum()
     }
 
+    #[inline(always)]
     fn triangle(&self, lane: usize) -> Triangle {
-        Triangle { v: self.corners.map(|c| Vec3::new(c[0][lane], c[1][lane], c[2][lane])) }
+        let [a, b, c] = &self.corners;
+        let [a, b, c] = [
+            Vec3::new(a[0][lane], a[1][lane], a[2][lane]),
+            Vec3::new(b[0][lane], b[1][lane], b[2][lane]),
+            Vec3::new(c[0][lane], c[1][lane], c[2][lane]),
+        ];
+        Triangle { v: [a, b, c] }
     }
 
     /// The lanes that pass the edge test and may be hit between the ray's `t_min` and `t_max`.
@@ -127,17 +144,22 @@ impl TriangleBlock {
         let zero = spread(simd, 0.0);
         let left = edges[0].simd_ge(zero) & edges[1].simd_ge(zero) & edges[2].simd_ge(zero);
         let right = edges[0].simd_le(zero) & edges[1].simd_le(zero) & edges[2].simd_le(zero);
-        let mut lanes = (left | right).to_bitmask() as u32;
-        let mut sure = 0;
-        if lanes != 0 {
-            let [a, b, c] = corners;
-            let depths = [a[2] - ray.origin[2], b[2] - ray.origin[2], c[2] - ray.origin[2]];
-            let Bounded { outside, inside } =
-                bounded(simd, sheared, edges, depths, ray.ray.shear[2], ray.ray.ray.t_min, t_max);
-            lanes &= !outside;
-            sure = lanes & inside;
+        let lanes = (left | right).to_bitmask() as u32;
+        if lanes == 0 {
+            let (lower, upper) = (zero, zero);
+            return Candidates { sheared, edges, lanes, sure: 0, inside: 0, lower, upper };
         }
-        Candidates { sheared, edges, lanes, sure }
+        let [a, b, c] = corners;
+        let depths = [a[2] - ray.origin[2], b[2] - ray.origin[2], c[2] - ray.origin[2]];
+        let Bounded { known, inside, lower, upper } = bounded(simd, sheared, edges, depths, ray.ray.shear[2]);
+        let (t_min, t_max) = (spread(simd, ray.ray.ray.t_min), spread(simd, t_max));
+        // A NaN says nothing.
+        let outside = known & (upper.simd_lt(t_min) | lower.simd_gt(t_max));
+        let inside = inside & lower.simd_gt(t_min);
+        let sure = inside & upper.simd_lt(t_max);
+        let lanes = lanes & !outside.to_bitmask() as u32;
+        let (inside, sure) = (lanes & inside.to_bitmask() as u32, lanes & sure.to_bitmask() as u32);
+        Candidates { sheared, edges, lanes, sure, inside, lower, upper }
     }
 
     /// The hit of a lane that is a candidate.
@@ -175,17 +197,19 @@ fn most<S: Simd>([a, b, c]: [f32x4<S>; 3]) -> f32x4<S> {
 }
 
 /// The share of error in the determinant from which on nothing is taken for known: the bounds hold to first order only.
-const MOST_DET_ERROR: f32 = 0.25;
+const MOST_DET_ERROR: f32 = 0.0625;
 
 /// What rounding errors leave no doubt about.
-struct Bounded {
-    /// Lanes whose hits lie before `t_min` or behind `t_max`.
-    outside: u32,
-    /// Lanes that the ray passes through, away from the edges, between `t_min` and `t_max`.
-    inside: u32,
+struct Bounded<S: Simd> {
+    /// Lanes with a distance between `lower` and `upper`, both not reached.
+    known: mask32x4<S>,
+    /// Those of them that the ray passes through, away from the edges.
+    inside: mask32x4<S>,
+    lower: f32x4<S>,
+    upper: f32x4<S>,
 }
 
-/// Tells the lanes for which the distance in single precision is answer enough.
+/// Bounds the distances by single precision arithmetic.
 ///
 /// The bounds are those of Pharr, Jakob and Humphreys, "Physically Based Rendering", third edition, 3.9.6, to which the
 /// error of the determinant is added, and all of it doubled.
@@ -196,9 +220,7 @@ fn bounded<S: Simd>(
     edges: [f32x4<S>; 3],
     depths: [f32x4<S>; 3],
     inv_depth: f32,
-    t_min: f32,
-    t_max: f32,
-) -> Bounded {
+) -> Bounded<S> {
     /// Relative error of `n` operations in a row.
     const fn gamma(n: i32) -> f32 {
         let error = n as f32 * 0.5 * f32::EPSILON;
@@ -213,16 +235,11 @@ fn bounded<S: Simd>(
     let scale = spread(simd, inv_depth) / det;
     let t = (edges[0] * depths[0] + edges[1] * depths[1] + edges[2] * depths[2]) * scale;
     let det_share = e_error * 3.0 / det.abs();
-    let error = (sum_error * scale.abs() + t.abs() * (det_share + gamma(6))) * 2.0;
-    let (from, to) = (t - error, t + error);
-    let (t_min, t_max) = (spread(simd, t_min), spread(simd, t_max));
-    let outside = to.simd_lt(t_min) | from.simd_gt(t_max);
+    let error = (sum_error * scale.abs() + t.abs() * (det_share + gamma(6))) * 1.125;
     let [a, b, c] = edges;
-    let inside =
-        from.simd_gt(t_min) & to.simd_lt(t_max) & a.abs().min(b.abs()).min(c.abs()).simd_gt(e_error * 2.0);
-    // A NaN says nothing.
     let known = det_share.simd_lt(spread(simd, MOST_DET_ERROR));
-    Bounded { outside: (outside & known).to_bitmask() as u32, inside: (inside & known).to_bitmask() as u32 }
+    let inside = known & a.abs().min(b.abs()).min(c.abs()).simd_gt(e_error * 2.0);
+    Bounded { known, inside, lower: t - error, upper: t + error }
 }
 
 impl<S: Simd> Candidates<S> {
@@ -232,10 +249,46 @@ impl<S: Simd> Candidates<S> {
         self.sure >> lane & 1 != 0
     }
 
+    /// A lane's hit, if it is one behind `t_min` for sure.
+    #[inline(always)]
+    pub fn inside<'a>(&self, block: &'a TriangleBlock, lane: usize) -> Option<Passed<'a>> {
+        (self.inside >> lane & 1 != 0).then(
+            #[inline(always)]
+            || Passed {
+                block,
+                lane: lane as u32,
+                lower: self.lower[lane],
+                upper: self.upper[lane],
+                edges: [self.edges[0][lane], self.edges[1][lane], self.edges[2][lane]],
+            },
+        )
+    }
+
     /// The lanes, ascending.
     #[inline(always)]
     pub fn lanes(&self) -> Lanes {
         Lanes(self.lanes)
+    }
+}
+
+/// A triangle that the ray passes through for sure, and about where.
+#[derive(Clone, Copy, Debug)]
+pub struct Passed<'a> {
+    block: &'a TriangleBlock,
+    lane: u32,
+    edges: [f32; 3],
+    /// The distance lies strictly between these.
+    pub lower: f32,
+    pub upper: f32,
+}
+
+impl Passed<'_> {
+    /// The hit as [`TriangleBlock::confirm`] would tell it.
+    #[inline(always)]
+    pub fn hit(&self, ray: &Ray) -> Hit {
+        let lane = self.lane as usize;
+        let ShapeHit { t, u, v } = self.block.triangle(lane).place(ray, self.edges);
+        Hit { t, shape: self.block.shape(lane), u, v }
     }
 }
 
@@ -261,26 +314,36 @@ mod tests {
     use super::*;
     use crate::accel::simd::{SimdLevel, SimdToken};
     use crate::at_level;
-    use crate::geometry::Ray;
 
     /// Coarse coordinates, so that rays go through edges and corners and along faces.
     fn point(rng: &mut Pcg32) -> Vec3 {
         Vec3::from_array(std::array::from_fn(|_| rng.random_range(-3..=3) as f32 * 0.7))
     }
 
-    fn answers<S: Simd>(
-        simd: S,
-        block: &TriangleBlock,
-        ray: &PreparedRay,
-        t_max: f32,
-    ) -> ([Option<ShapeHit>; LANES], u32) {
+    struct Answers {
+        hits: [Option<ShapeHit>; LANES],
+        sure: u32,
+        /// Between which distances the lanes are hit that are so behind `t_min` for sure.
+        inside: [Option<(f32, f32)>; LANES],
+    }
+
+    fn answers<S: Simd>(simd: S, block: &TriangleBlock, ray: &PreparedRay, t_max: f32) -> Answers {
         let lane_ray = LaneRay::new(simd, ray);
         let candidates = block.candidates(&lane_ray, t_max);
-        let mut answers = [None; LANES];
+        let mut hits = [None; LANES];
         for lane in candidates.lanes() {
-            answers[lane] = block.confirm(&candidates, lane, &lane_ray, 0.0, t_max);
+            hits[lane] = block.confirm(&candidates, lane, &lane_ray, 0.0, t_max);
         }
-        (answers, candidates.sure)
+        let inside = std::array::from_fn(|lane| {
+            candidates.inside(block, lane).map(|passed| {
+                assert_eq!(
+                    passed.hit(&ray.ray).t,
+                    block.triangle(lane).intersect(ray).map_or(-1.0, |hit| hit.t)
+                );
+                (passed.lower, passed.upper)
+            })
+        });
+        Answers { hits, sure: candidates.sure, inside }
     }
 
     #[test]
@@ -307,8 +370,17 @@ mod tests {
                 triangles.get(lane).and_then(|(_, t)| t.intersect_within(&ray, 0.0, t_max))
             });
             for &level in &levels {
-                let (together, sure) = at_level!(level, simd => answers(simd, &block, &ray, t_max));
+                let Answers { hits: together, sure, inside } =
+                    at_level!(level, simd => answers(simd, &block, &ray, t_max));
                 assert_eq!(together, alone, "{level:?} {triangles:?} {ray:?}");
+                for (lane, &bounds) in inside.iter().enumerate() {
+                    let Some((lower, upper)) = bounds else { continue };
+                    let t = triangles[lane].1.intersect(&ray).expect("it is hit for sure").t;
+                    assert!(
+                        lower < t && t < upper,
+                        "{level:?} {lane} {lower} {t} {upper} {triangles:?} {ray:?}"
+                    );
+                }
                 for lane in (0..LANES).filter(|lane| sure >> lane & 1 != 0) {
                     assert!(alone[lane].is_some(), "{level:?} {lane} {triangles:?} {ray:?} {t_max}");
                     surely += 1;

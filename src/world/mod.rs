@@ -3,6 +3,7 @@
 //! Planes and the ground are outside the tree. Every query tests them before it walks the tree; they are no part of any
 //! count. Hits at the same t go to the lowest shape index, so no answer of `intersect` depends on the tree.
 
+mod best;
 mod block;
 mod blockers;
 pub mod store;
@@ -13,17 +14,18 @@ use std::time::Instant;
 use crate::accel::quality::TreeFigures;
 use crate::accel::simd::{SimdLevel, SimdToken};
 use crate::accel::{
-    BuildConfig, BuildPhase, BuildReport, LeafIntersector, Probe, Tree, build_over, traverse, validate,
+    BuildConfig, BuildPhase, BuildReport, LeafIntersector, Probe, Shapes, Tree, build_over, traverse,
+    validate,
 };
-use crate::at_level;
-use crate::geometry::{Hit, PreparedRay, Ray};
+use crate::geometry::{Aabb, Hit, PreparedRay, Ray};
 use crate::scene::{Scene, ShadowRule};
 use crate::task::{Cancelled, Task};
 
 pub use store::PrimStore;
 
+pub use best::Best;
 use blockers::Blockers;
-use store::{Beyond, keep};
+use store::Beyond;
 
 /// A frozen scene with one tree over its bounded shapes. Immutable; share it behind an `Arc`.
 #[derive(Debug)]
@@ -48,8 +50,7 @@ impl World {
     /// If a shape's box is not finite (loaders remove such shapes), or `config` is out of range.
     pub fn build(scene: Arc<Scene>, config: &BuildConfig, task: &Task) -> Result<Self, Cancelled> {
         task.check()?;
-        let bounds = |shape| scene.shape(shape).bounds();
-        let (tree, mut report) = build_over(scene.shape_count(), bounds, config, task)?;
+        let (tree, mut report) = build_over(&BoundedShapes(&scene), config, task)?;
         if cfg!(debug_assertions) {
             let violations = validate::validate(&tree, &scene.shape_bounds());
             assert!(violations.is_empty(), "a tree with {config:?} is not valid: {violations:?}");
@@ -82,8 +83,7 @@ impl World {
     /// The nearest hit in `t_min..=t_max`, planes and ground included.
     #[inline]
     pub fn intersect<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        let ray = PreparedRay::new(*ray);
-        self.nearest(&ray, &self.store, |_| ray.ray.t_min, probe)
+        self.nearest(ray, &self.store, |_| ray.t_min, probe)
     }
 
     /// Whether anything at all lies in `t_min..=t_max`: the shape that was found first.
@@ -109,7 +109,7 @@ impl World {
         let mut hit = self.intersect(ray, probe)?;
         while !blocks(hit.shape) {
             let beyond = Beyond { store: &self.store, t: hit.t, shape: hit.shape };
-            let rest = PreparedRay::new(Ray { t_min: hit.t, ..*ray });
+            let rest = Ray { t_min: hit.t, ..*ray };
             hit = self.nearest(&rest, &beyond, |shape| beyond.t_min(shape), probe)?;
         }
         Some(hit.shape)
@@ -117,38 +117,52 @@ impl World {
 
     /// Compiled for every level of instructions, so not inlined.
     #[inline(never)]
-    fn nearest<P: Probe>(
-        &self,
-        ray: &PreparedRay,
-        leaves: &impl LeafIntersector,
+    fn nearest<'a, L: LeafIntersector<Best<'a> = Best<'a>> + 'a, P: Probe>(
+        &'a self,
+        ray: &Ray,
+        leaves: &'a L,
         t_min: impl Fn(u32) -> f32,
         probe: &mut P,
     ) -> Option<Hit> {
-        let mut hit = Hit::none(ray.ray.t_max);
+        let mut best = Best::new(Hit::none(ray.last()));
         for (index, plane, _) in self.scene.unbounded() {
-            let answer = plane.intersect_within(ray, t_min(index), hit.t);
-            keep(&mut hit, index, answer);
+            let answer = plane.intersect_within(&PreparedRay::new(*ray), t_min(index), best.t_max());
+            best.keep(ray, index, answer);
         }
-        at_level!(self.simd, simd => traverse::intersect(simd, &self.tree, leaves, ray, &mut hit, probe));
+        traverse::intersect(self.simd, &self.tree, leaves, ray, &mut best, probe);
+        let hit = *best.exact(ray);
         hit.is_some().then_some(hit)
     }
 
     /// Compiled for every level of instructions, so not inlined.
     #[inline(never)]
     fn any<P: Probe>(&self, ray: &Ray, blocks: impl Fn(u32) -> bool, probe: &mut P) -> Option<u32> {
-        let ray = PreparedRay::new(*ray);
         let in_the_way = self
             .scene
             .unbounded()
-            .find(|(index, plane, _)| blocks(*index) && plane.intersect(&ray).is_some())
+            .find(|(index, plane, _)| blocks(*index) && plane.intersect(&PreparedRay::new(*ray)).is_some())
             .map(|(index, ..)| index);
         if in_the_way.is_some() {
             return in_the_way;
         }
-        at_level!(
-            self.simd,
-            simd => traverse::occluded(simd, &self.tree, &self.store, &ray, &blocks, probe)
-        )
+        traverse::occluded(self.simd, &self.tree, &self.store, ray, &blocks, probe)
+    }
+}
+
+/// The shapes that a tree is built over.
+struct BoundedShapes<'a>(&'a Scene);
+
+impl Shapes for BoundedShapes<'_> {
+    fn count(&self) -> usize {
+        self.0.shape_count()
+    }
+
+    fn bounds(&self, shape: u32) -> Aabb {
+        self.0.shape(shape).bounds()
+    }
+
+    fn bounds_between(&self, shape: u32, axis: usize, from: f32, to: f32) -> Aabb {
+        self.0.shape(shape).bounds_between(axis, from, to)
     }
 }
 

@@ -3,12 +3,14 @@
 use fearless_simd::Simd;
 use rayon::prelude::*;
 
+use crate::accel::simd::Instructions;
 use crate::accel::tree::LeafRange;
 use crate::accel::{LeafIntersector, Probe, Tree};
-use crate::geometry::{Aabb, Cuboid, Hit, PreparedRay, Quad, Shape, ShapeHit, Span, Sphere, Torus};
+use crate::geometry::{Aabb, Cuboid, PreparedRay, Quad, Shape, ShapeHit, Span, Sphere, Torus};
 use crate::scene::Scene;
 use crate::task::{Cancelled, Task};
 
+use super::best::Best;
 use super::block::{LANES, LaneRay, TriangleBlock};
 
 /// Leaves packed by one thread at a time; small enough to look for a cancel between them.
@@ -187,28 +189,28 @@ impl PrimStore {
     /// Tests every shape of a leaf and keeps the nearest. `t_min` is the start of the interval in which a shape counts, the
     /// ray's or later.
     #[inline(always)]
-    fn nearest<S: Simd, P: Probe>(
-        &self,
+    fn nearest<'a, S: Simd, P: Probe>(
+        &'a self,
         simd: S,
         leaf_idx: u32,
         ray: &PreparedRay,
         t_min: impl Fn(u32) -> f32 + Copy,
-        hit: &mut Hit,
+        best: &mut Best<'a>,
         probe: &mut P,
     ) {
         let lane_ray = LaneRay::new(simd, ray);
         let block = &self.blocks[leaf_idx as usize];
-        nearest_of_block(block, &lane_ray, t_min, hit, probe);
+        nearest_of_block(block, &lane_ray, t_min, best, probe);
         if block.goes_on() {
             let rest = self.rest(leaf_idx);
             for block in rest.blocks.of(&self.more_blocks) {
-                nearest_of_block(block, &lane_ray, t_min, hit, probe);
+                nearest_of_block(block, &lane_ray, t_min, best, probe);
             }
             let query = Nearest { ray, t_min };
-            query.among(rest.spheres.of(&self.spheres), Sphere::intersect_in, hit, probe);
-            query.among(rest.cuboids.of(&self.cuboids), Cuboid::intersect_in, hit, probe);
-            query.among(rest.quads.of(&self.quads), Quad::intersect_in, hit, probe);
-            query.among(rest.tori.of(&self.tori), Torus::intersect_in, hit, probe);
+            query.among(rest.spheres.of(&self.spheres), Sphere::intersect_in, best, probe);
+            query.among(rest.cuboids.of(&self.cuboids), Cuboid::intersect_in, best, probe);
+            query.among(rest.quads.of(&self.quads), Quad::intersect_in, best, probe);
+            query.among(rest.tori.of(&self.tori), Torus::intersect_in, best, probe);
         }
     }
 
@@ -246,18 +248,28 @@ impl PrimStore {
 }
 
 #[inline(always)]
-fn nearest_of_block<S: Simd, P: Probe>(
-    block: &TriangleBlock,
+fn nearest_of_block<'a, S: Simd, P: Probe>(
+    block: &'a TriangleBlock,
     ray: &LaneRay<S>,
     t_min: impl Fn(u32) -> f32,
-    hit: &mut Hit,
+    best: &mut Best<'a>,
     probe: &mut P,
 ) {
     probe.shapes_tested(block.count());
-    let candidates = block.candidates(ray, hit.t);
+    let candidates = block.candidates(ray, best.t_max());
     for lane in candidates.lanes() {
-        let shape = block.shape(lane);
-        keep(hit, shape, block.confirm(&candidates, lane, ray, t_min(shape), hit.t));
+        let decided = match candidates.inside(block, lane) {
+            Some(passed) => best.pass(passed),
+            None => false,
+        };
+        if !decided {
+            let shape = block.shape(lane);
+            best.keep(
+                &ray.ray().ray,
+                shape,
+                block.confirm(&candidates, lane, ray, t_min(shape), best.t_max()),
+            );
+        }
     }
 }
 
@@ -286,16 +298,6 @@ fn any_of_block<S: Simd, P: Probe>(
     None
 }
 
-/// Replaces `hit` by what `shape` answered if that is nearer.
-#[inline]
-pub(super) fn keep(hit: &mut Hit, shape: u32, answer: Option<ShapeHit>) {
-    if let Some(ShapeHit { t, u, v }) = answer
-        && hit.is_beaten_by(t, shape)
-    {
-        *hit = Hit { t, shape, u, v };
-    }
-}
-
 /// A query for the nearest among the shapes of one kind.
 struct Nearest<'a, T> {
     ray: &'a PreparedRay,
@@ -308,13 +310,13 @@ impl<T: Fn(u32) -> f32> Nearest<'_, T> {
         &self,
         stored: &[Stored<S>],
         test: impl Fn(&S, &PreparedRay, &Span) -> Option<ShapeHit>,
-        hit: &mut Hit,
+        best: &mut Best<'_>,
         probe: &mut P,
     ) {
         for Stored { bounds, geometry, shape } in stored {
             probe.shapes_tested(1);
-            if let Some(span) = Span::new(self.ray, bounds, (self.t_min)(*shape), hit.t) {
-                keep(hit, *shape, test(geometry, self.ray, &span));
+            if let Some(span) = Span::new(self.ray, bounds, (self.t_min)(*shape), best.t_max()) {
+                best.keep(&self.ray.ray, *shape, test(geometry, self.ray, &span));
             }
         }
     }
@@ -345,17 +347,32 @@ impl<T: Fn(u32) -> f32, B: Fn(u32) -> bool> Any<'_, T, B> {
 }
 
 impl LeafIntersector for PrimStore {
+    type Best<'a>
+        = Best<'a>
+    where
+        Self: 'a;
+
     #[inline(always)]
-    fn intersect<S: Simd, P: Probe>(
-        &self,
+    fn prefetch<S: Instructions>(&self, simd: S, leaf_idx: u32) {
+        simd.prefetch(&self.blocks, leaf_idx as usize);
+    }
+
+    #[inline(always)]
+    fn t_max(best: &Best<'_>) -> f32 {
+        best.t_max()
+    }
+
+    #[inline(always)]
+    fn intersect<'a, S: Simd, P: Probe>(
+        &'a self,
         simd: S,
         leaf_idx: u32,
         ray: &PreparedRay,
-        hit: &mut Hit,
+        best: &mut Best<'a>,
         probe: &mut P,
     ) {
         let t_min = ray.ray.t_min;
-        self.nearest(simd, leaf_idx, ray, |_| t_min, hit, probe);
+        self.nearest(simd, leaf_idx, ray, |_| t_min, best, probe);
     }
 
     #[inline(always)]
@@ -391,16 +408,26 @@ impl Beyond<'_> {
 }
 
 impl LeafIntersector for Beyond<'_> {
+    type Best<'a>
+        = Best<'a>
+    where
+        Self: 'a;
+
     #[inline(always)]
-    fn intersect<S: Simd, P: Probe>(
-        &self,
+    fn t_max(best: &Best<'_>) -> f32 {
+        best.t_max()
+    }
+
+    #[inline(always)]
+    fn intersect<'a, S: Simd, P: Probe>(
+        &'a self,
         simd: S,
         leaf_idx: u32,
         ray: &PreparedRay,
-        hit: &mut Hit,
+        best: &mut Best<'a>,
         probe: &mut P,
     ) {
-        self.store.nearest(simd, leaf_idx, ray, |shape| self.t_min(shape), hit, probe);
+        self.store.nearest(simd, leaf_idx, ray, |shape| self.t_min(shape), best, probe);
     }
 
     #[inline(always)]

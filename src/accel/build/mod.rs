@@ -6,6 +6,7 @@ mod few;
 mod median;
 mod order;
 mod segment;
+mod spatial;
 mod sweep;
 mod top_down;
 
@@ -15,7 +16,8 @@ use crate::geometry::Aabb;
 use crate::task::{Cancelled, Task};
 
 use super::config::{BuildConfig, Builder, Width};
-use super::tree::{Tree, WideBvh};
+use super::tree::{Bvh2, Tree, WideBvh};
+use super::widen::widen;
 
 pub use binned::bin_index;
 
@@ -56,6 +58,35 @@ impl PhaseClock {
     }
 }
 
+/// What a tree is built over: shapes with boxes, counted from 0.
+pub trait Shapes: Sync {
+    fn count(&self) -> usize;
+
+    /// The box around a shape.
+    fn bounds(&self, shape: u32) -> Aabb;
+
+    /// A box around the part of a shape between two planes across `axis`; empty if there is none.
+    fn bounds_between(&self, shape: u32, axis: usize, from: f32, to: f32) -> Aabb;
+}
+
+/// Boxes that are shapes themselves.
+impl Shapes for [Aabb] {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn bounds(&self, shape: u32) -> Aabb {
+        self[shape as usize]
+    }
+
+    fn bounds_between(&self, shape: u32, axis: usize, from: f32, to: f32) -> Aabb {
+        let mut part = self[shape as usize];
+        part.min[axis] = part.min[axis].max(from);
+        part.max[axis] = part.max[axis].min(to);
+        part
+    }
+}
+
 /// Builds a tree over `boxes`; the index of a box is the index of its shape. The tree is the same at any thread count.
 ///
 /// # Errors
@@ -64,28 +95,36 @@ impl PhaseClock {
 /// # Panics
 /// If `config` is out of range ([`BuildConfig::check`]) or a box is empty or not finite.
 pub fn build(boxes: &[Aabb], config: &BuildConfig, task: &Task) -> Result<(Tree, BuildReport), Cancelled> {
-    build_over(boxes.len(), |shape| boxes[shape as usize], config, task)
+    build_over(boxes, config, task)
 }
 
-/// As [`build`], over boxes that are asked for by shape, from 0 to `count`, instead of being stored first.
+/// As [`build`], over shapes that are asked for their boxes.
 ///
 /// # Errors
 /// [`Cancelled`] when the task was.
 ///
 /// # Panics
 /// As [`build`].
-pub fn build_over(
-    count: usize,
-    bounds: impl Fn(u32) -> Aabb + Sync,
+pub fn build_over<B: Shapes + ?Sized>(
+    shapes: &B,
     config: &BuildConfig,
     task: &Task,
 ) -> Result<(Tree, BuildReport), Cancelled> {
     config.check().expect("a build configuration is checked where it is given");
     let mut clock = PhaseClock::start();
+    let count = shapes.count();
+    let bounds = |shape| shapes.bounds(shape);
     task.start(count as u64);
     let input = match config.builder {
         Builder::Median | Builder::Binned => Input::Refs(order::build_refs(count, bounds, task)?),
         Builder::Sweep => Input::Boxes((0..count as u32).map(bounds).collect()),
+        Builder::Spatial => {
+            let refs = order::build_refs(count, bounds, task)?;
+            clock.finish("prepare");
+            let bvh = spatial::build(refs, shapes, config, task)?;
+            clock.finish("split");
+            Input::Binary(bvh)
+        }
     };
     let tree = match config.width {
         Width::W2 => Tree::W2(build_wide(input, config, task, &mut clock)?),
@@ -101,6 +140,8 @@ pub fn build_over(
 enum Input {
     Refs(Vec<order::BuildRef>),
     Boxes(Vec<Aabb>),
+    /// A finished binary tree, still to be widened.
+    Binary(Bvh2),
 }
 
 fn build_wide<const N: usize>(
@@ -110,6 +151,11 @@ fn build_wide<const N: usize>(
     clock: &mut PhaseClock,
 ) -> Result<WideBvh<N>, Cancelled> {
     match input {
+        Input::Binary(bvh) => {
+            let tree = widen(&bvh, config.widen, task)?;
+            clock.finish("layout");
+            Ok(tree)
+        }
         Input::Boxes(boxes) => {
             let mut arrays = sweep::SweepArrays::sorted(&boxes);
             task.check()?;

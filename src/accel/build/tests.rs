@@ -99,6 +99,9 @@ fn every_tree_is_valid_on_every_hard_case() {
             assert_eq!(validate(&tree, &boxes), [], "{name}, {config:?}");
             let most = tree.leaves().iter().map(|l| l.count as usize).max().unwrap_or(0);
             assert!(most <= config.leaf, "{name}, {config:?}: a leaf of {most}");
+            let more = tree.refs().len() - boxes.len();
+            let budget = if config.builder.duplicates() { boxes.len() / 2 } else { 0 };
+            assert!(more <= budget, "{name}, {config:?}: {more} references too many");
         }
     }
 }
@@ -292,4 +295,49 @@ fn progress_reaches_the_end() {
         build(&random_boxes(5000, 5.0, 0.2), &config, &task).expect("not cancelled");
         assert_eq!(task.fraction(), Some(1.0), "{builder:?}");
     }
+}
+
+/// Straight lines from one point to another.
+struct Needles(Vec<[Vec3; 2]>);
+
+impl Shapes for Needles {
+    fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    fn bounds(&self, shape: u32) -> Aabb {
+        Aabb::from_points(self.0[shape as usize])
+    }
+
+    fn bounds_between(&self, shape: u32, axis: usize, from: f32, to: f32) -> Aabb {
+        let [a, b] = self.0[shape as usize];
+        let along = |at: f32| (at - a[axis]) / (b[axis] - a[axis]);
+        let (first, last) = (along(from).min(along(to)).max(0.0), along(from).max(along(to)).min(1.0));
+        if first > last {
+            Aabb::EMPTY
+        } else {
+            Aabb::from_points([first, last].map(|t| a.lerp(b, t))).padded(1e-5)
+        }
+    }
+}
+
+#[test]
+fn spatial_splits_cut_needles_within_their_budget() {
+    // Many short ones, and a few from one side to the other.
+    let mut rng = rng();
+    let mut point = || Vec3::new(rng.random(), rng.random(), rng.random()) * 10.0;
+    let needles = (0..400).map(|i| {
+        let (a, b) = (point(), point());
+        if i < 10 { [a.with_x(0.0), b.with_x(10.0)] } else { [a, a + b * 0.02] }
+    });
+    let needles = Needles(needles.collect());
+    let figures = |builder| {
+        let config = BuildConfig { builder, ..BuildConfig::default() };
+        let (tree, _) = build_over(&needles, &config, &Task::new()).expect("not cancelled");
+        let figures = TreeFigures::measure(&tree, 1.0, 1.0);
+        (figures.reference_count, figures.sah_cost.map_or(f64::NAN, |cost| cost.total()))
+    };
+    let ((whole, binned), (cut, spatial)) = (figures(Builder::Binned), figures(Builder::Spatial));
+    assert!(whole == 400 && (420..=600).contains(&cut), "{whole} and {cut} references");
+    assert!(spatial < 0.9 * binned, "{spatial} against {binned}");
 }

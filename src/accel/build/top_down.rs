@@ -26,7 +26,7 @@ const FORK_MIN: usize = 1024;
 /// pieces to put together.
 const FORKS_A_THREAD: usize = 8;
 /// Below this many references a subtree neither looks at the cancel flag nor reports progress (well under 1 ms).
-const CHECK_MIN: usize = 512;
+pub(super) const CHECK_MIN: usize = 512;
 
 /// A split that a builder found, with what it makes.
 #[derive(Clone, Copy, Debug)]
@@ -299,14 +299,14 @@ fn placed<const N: usize, O: Order, P>(
 }
 
 /// Whether a split lowers the SAH cost below that of a leaf; areas as half areas.
-fn pays(config: &BuildConfig, count: usize, bounds: &Bound, split_cost: f32) -> bool {
+pub(super) fn pays(config: &BuildConfig, count: usize, bounds: &Bound, split_cost: f32) -> bool {
     let area = bounds.half_area();
     let leaf_cost = config.intersection_cost * count as f32 * area;
     leaf_cost > config.traversal_cost * area + config.intersection_cost * split_cost
 }
 
 /// Whether `count` references at `depth` can still be halved down to leaves within the depth limit.
-fn fits_depth(config: &BuildConfig, count: usize, depth: usize) -> bool {
+pub(super) fn fits_depth(config: &BuildConfig, count: usize, depth: usize) -> bool {
     let levels = BuildConfig::MAX_DEPTH - depth.min(BuildConfig::MAX_DEPTH);
     let most = if levels >= 40 { usize::MAX } else { config.leaf << levels };
     count <= most

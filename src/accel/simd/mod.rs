@@ -5,9 +5,13 @@
 //! here rounds as its scalar twin does and no multiplication is fused with an addition, so all levels give the same
 //! answers and count the same visits, bit for bit.
 
+mod instructions;
+
 use fearless_simd::{Fallback, Level, SimdFloat, prelude::*};
 
 use super::config::BuildConfig;
+
+pub use instructions::Instructions;
 
 /// A set of instructions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]

@@ -8,10 +8,11 @@ mod boxes;
 
 use fearless_simd::{Fallback, Simd};
 
-use crate::each_width;
-use crate::geometry::{Hit, PreparedRay};
+use crate::geometry::{PreparedRay, Ray};
+use crate::{at_level, each_width};
 
 use super::config::BuildConfig;
+use super::simd::{Instructions, SimdToken};
 use super::tree::{ChildRef, Tree, WideBvh, WideNode};
 
 use boxes::{BoxLanes, Entered, TreeRay};
@@ -84,13 +85,25 @@ impl Probe for RayCounters {
 
 /// What lies in the leaves, in leaf order. Asked with a leaf's index.
 pub trait LeafIntersector {
-    /// Tests every shape of the leaf and keeps the nearest in `hit` ([`Hit::is_beaten_by`]).
-    fn intersect<S: Simd, P: Probe>(
-        &self,
+    /// What is known of the nearest hit while a ray walks.
+    type Best<'a>
+    where
+        Self: 'a;
+
+    /// Asks for what the leaf's test will read ([`Instructions::prefetch`]).
+    #[inline(always)]
+    fn prefetch<S: Instructions>(&self, _simd: S, _leaf_idx: u32) {}
+
+    /// Nothing behind this can be the nearest hit.
+    fn t_max(best: &Self::Best<'_>) -> f32;
+
+    /// Tests every shape of the leaf and keeps the nearest in `best` ([`Hit::is_beaten_by`](crate::geometry::Hit)).
+    fn intersect<'a, S: Simd, P: Probe>(
+        &'a self,
         simd: S,
         leaf_idx: u32,
         ray: &PreparedRay,
-        hit: &mut Hit,
+        best: &mut Self::Best<'a>,
         probe: &mut P,
     );
 
@@ -106,7 +119,7 @@ pub trait LeafIntersector {
 }
 
 /// What a walk is after.
-trait Query<L: LeafIntersector> {
+trait Query<'l, L: LeafIntersector> {
     /// Boxes that begin behind this are of no interest.
     fn t_max(&self) -> f32;
 
@@ -115,20 +128,20 @@ trait Query<L: LeafIntersector> {
         &mut self,
         simd: S,
         leaf_idx: u32,
-        leaves: &L,
+        leaves: &'l L,
         ray: &PreparedRay,
         probe: &mut P,
     ) -> bool;
 }
 
-struct Nearest<'a> {
-    hit: &'a mut Hit,
+struct Nearest<'b, 'l, L: LeafIntersector + 'l> {
+    best: &'b mut L::Best<'l>,
 }
 
-impl<L: LeafIntersector> Query<L> for Nearest<'_> {
+impl<'l, L: LeafIntersector> Query<'l, L> for Nearest<'_, 'l, L> {
     #[inline(always)]
     fn t_max(&self) -> f32 {
-        self.hit.t
+        L::t_max(self.best)
     }
 
     #[inline(always)]
@@ -136,11 +149,11 @@ impl<L: LeafIntersector> Query<L> for Nearest<'_> {
         &mut self,
         simd: S,
         leaf_idx: u32,
-        leaves: &L,
+        leaves: &'l L,
         ray: &PreparedRay,
         probe: &mut P,
     ) -> bool {
-        leaves.intersect(simd, leaf_idx, ray, self.hit, probe);
+        leaves.intersect(simd, leaf_idx, ray, self.best, probe);
         false
     }
 }
@@ -151,7 +164,7 @@ struct Any<'a, F> {
     found: Option<u32>,
 }
 
-impl<L: LeafIntersector, F: Fn(u32) -> bool> Query<L> for Any<'_, F> {
+impl<'l, L: LeafIntersector, F: Fn(u32) -> bool> Query<'l, L> for Any<'_, F> {
     #[inline(always)]
     fn t_max(&self) -> f32 {
         self.t_max
@@ -162,7 +175,7 @@ impl<L: LeafIntersector, F: Fn(u32) -> bool> Query<L> for Any<'_, F> {
         &mut self,
         simd: S,
         leaf_idx: u32,
-        leaves: &L,
+        leaves: &'l L,
         ray: &PreparedRay,
         probe: &mut P,
     ) -> bool {
@@ -171,43 +184,45 @@ impl<L: LeafIntersector, F: Fn(u32) -> bool> Query<L> for Any<'_, F> {
     }
 }
 
-/// The nearest hit at or before `hit.t`, which is replaced if one is found.
+/// The nearest hit that comes before what is in `best`, which is replaced if one is found.
 ///
-/// Boxes are tested with the arithmetic of [`Slabs`], prepared once a ray for the tree's bounds: shapes confine their
-/// hits by the same arithmetic, so no order of boxes can lose one.
-#[inline(always)]
-pub fn intersect<S: Simd, L: LeafIntersector, P: Probe>(
-    simd: S,
+/// Boxes are tested with the arithmetic of [`Slabs`](crate::geometry::Slabs), prepared once a ray for the tree's bounds:
+/// shapes confine their hits by the same arithmetic, so no order of boxes can lose one.
+#[inline]
+pub fn intersect<'l, L: LeafIntersector, P: Probe>(
+    simd: SimdToken,
     tree: &Tree,
-    leaves: &L,
-    ray: &PreparedRay,
-    hit: &mut Hit,
+    leaves: &'l L,
+    ray: &Ray,
+    best: &mut L::Best<'l>,
     probe: &mut P,
 ) {
-    let mut query = Nearest { hit };
-    each_width!(tree, t => walk(simd, t, leaves, ray, &mut query, probe));
+    let mut full = Vec::new();
+    let mut query = Nearest::<L> { best };
+    each_width!(tree, t => at_level!(simd, simd => walk(simd, t, leaves, ray, &mut query, probe, &mut full)));
 }
 
 /// Any shape between `t_min` and `t_max` that `blocks` says stops the ray: its index, or `None` for a free way.
 /// Same child order as [`intersect`].
-#[inline(always)]
-pub fn occluded<S: Simd, L: LeafIntersector, P: Probe>(
-    simd: S,
+#[inline]
+pub fn occluded<L: LeafIntersector, P: Probe>(
+    simd: SimdToken,
     tree: &Tree,
     leaves: &L,
-    ray: &PreparedRay,
+    ray: &Ray,
     blocks: &impl Fn(u32) -> bool,
     probe: &mut P,
 ) -> Option<u32> {
-    let mut query = Any { t_max: ray.ray.t_max, blocks, found: None };
-    each_width!(tree, t => walk(simd, t, leaves, ray, &mut query, probe));
+    let mut full = Vec::new();
+    let mut query = Any { t_max: ray.last(), blocks, found: None };
+    each_width!(tree, t => at_level!(simd, simd => walk(simd, t, leaves, ray, &mut query, probe, &mut full)));
     query.found
 }
 
 /// Whether a ray meets the root's box. One that does not visits nothing.
 #[inline]
-pub fn hits_root(tree: &Tree, ray: &PreparedRay) -> bool {
-    tree.node_count() > 0 && TreeRay::new(Fallback::new(), ray, &tree.bounds(), ray.ray.t_max).is_some()
+pub fn hits_root(tree: &Tree, ray: &Ray) -> bool {
+    tree.node_count() > 0 && TreeRay::new(Fallback::new(), ray, &tree.bounds(), ray.last()).is_some()
 }
 
 /// A node that waits on the stack: the bits of where the ray enters it, then its reference. The nearer one is the smaller
@@ -216,6 +231,9 @@ pub fn hits_root(tree: &Tree, ray: &PreparedRay) -> bool {
 struct Waiting(u64);
 
 impl Waiting {
+    /// Below all others: the walk is over.
+    const NONE: Self = Self((f32::NEG_INFINITY.to_bits() as u64) << 32 | ChildRef::EMPTY.0 as u64);
+
     #[inline(always)]
     fn new(child: ChildRef, entry: f32) -> Self {
         Self(u64::from(entry.to_bits()) << 32 | u64::from(child.0))
@@ -237,96 +255,151 @@ const SMALL_STACK: usize = 32;
 /// Enough for eight children a node at the greatest depth: each level leaves at most seven behind.
 const FULL_STACK: usize = 7 * BuildConfig::MAX_DEPTH + 8;
 
+/// Bytes of nodes from which on it pays to ask for them before they are needed.
+const CACHED: usize = 1 << 21;
+
 /// The one traversal loop.
+///
+/// Tried and lost, with nodes of 8 and one ray at a time:
+/// - children in an order by the ray's octant, kept with the node, pushed by one permutation without a branch: the same
+///   visits but for 4 percent, and the same speed;
+/// - `side * inverse - origin * inverse` as one fused operation: 3 to 5 percent faster where rays visit many nodes, nothing
+///   where they visit few, and all levels would have to fuse;
+/// - asking for all that waits also in trees that fit the caches: 3 to 5 percent slower; pages of 2 MB: no difference.
+///
+/// Walking 4 to 32 rays in turns, each a step, is worth half as much again in trees that do not fit the caches, a fifth for
+/// coherent rays, and nothing elsewhere.
 #[inline(always)]
-fn walk<S: Simd, const N: usize, L: LeafIntersector, Q: Query<L>, P: Probe>(
+fn walk<'l, S: Instructions, const N: usize, L: LeafIntersector, Q: Query<'l, L>, P: Probe>(
     simd: S,
     bvh: &WideBvh<N>,
-    leaves: &L,
-    ray: &PreparedRay,
+    leaves: &'l L,
+    ray: &Ray,
     query: &mut Q,
     probe: &mut P,
+    full: &mut Vec<Waiting>,
 ) where
     WideNode<N>: BoxLanes<S, N>,
 {
-    if bvh.root.is_empty() {
-        return;
-    }
-    let Some(tree_ray) = TreeRay::new(simd, ray, &bvh.bounds, query.t_max()) else { return };
+    let mut t_max = query.t_max();
+    let Some(tree_ray) = TreeRay::new(simd, ray, &bvh.bounds, t_max) else { return };
     let lanes = WideNode::spread(simd, &tree_ray);
-    let (mut small, mut full) = ([Waiting(0); SMALL_STACK], Vec::new());
-    let mut unused = Some(&mut full);
+    let mut prepared = None;
+    let mut full = Some(full);
+    let mut small = [Waiting::NONE; SMALL_STACK];
+    let nodes = &bvh.nodes[..];
     // The nodes that wait, the nearest on top.
     let mut stack = &mut small[..];
-    let mut height = 0;
+    let mut height = 1;
     let mut next = bvh.root;
+    let large = size_of_val(nodes) > CACHED;
     loop {
-        if let Some(leaf_idx) = next.as_leaf() {
-            probe.leaf_visited(leaf_idx);
-            if query.leaf(simd, leaf_idx, leaves, ray, probe) {
-                return;
-            }
-        } else {
-            if height + N > stack.len()
-                && let Some(unused) = unused.take()
-            {
-                stack = enlarged(unused, &stack[..height]);
-            }
-            let node = &bvh.nodes[next.0 as usize];
-            probe.inner_visited(next.0, node.child_count() as u32);
-            let Entered { slots, entries } = node.enter(simd, &lanes, query.t_max());
-            if slots != 0 {
-                let take = |slots: u32| {
-                    let slot = slots.trailing_zeros() as usize;
-                    (Waiting::new(node.children[slot], entries[slot]), slots & (slots - 1))
-                };
-                // One, two and three children are the common cases, and sorted without a branch.
-                let (first, rest) = take(slots);
-                if rest == 0 {
-                    next = first.child();
-                    continue;
-                }
-                let (second, rest) = take(rest);
-                let (near, far) = (first.min(second), first.max(second));
-                if rest == 0 {
-                    stack[height] = far;
-                    height += 1;
-                    next = near.child();
-                    continue;
-                }
-                let (third, mut rest) = take(rest);
-                let mut nearest = near.min(third);
-                let third = near.max(third);
-                stack[height] = far.max(third);
-                stack[height + 1] = far.min(third);
-                let bottom = height;
-                height += 2;
-                while rest != 0 {
-                    let (other, left) = take(rest);
-                    rest = left;
-                    let farther = nearest.max(other);
-                    nearest = nearest.min(other);
-                    let mut at = height;
-                    while at > bottom && stack[at - 1] < farther {
-                        stack[at] = stack[at - 1];
-                        at -= 1;
-                    }
-                    stack[at] = farther;
-                    height += 1;
-                }
-                next = nearest.child();
+        // A loop of its own that calls nothing, so that what a node's test needs stays in registers on the way down.
+        while let Some(node_idx) = next.as_inner()
+            && height + N <= stack.len()
+        {
+            let node = &nodes[node_idx as usize];
+            probe.inner_visited(node_idx, node.child_count() as u32);
+            let Entered { slots, entries } = node.enter(simd, &lanes, t_max);
+            if slots == 0 {
+                next = popped(stack, &mut height, t_max);
                 continue;
             }
+            let take = |slots: u32| {
+                let slot = slots.trailing_zeros() as usize % N;
+                (Waiting::new(node.children[slot], entries[slot]), slots & (slots - 1))
+            };
+            // One, two and three children are the common cases, and sorted without a branch.
+            let (first, rest) = take(slots);
+            if rest == 0 {
+                next = first.child();
+                continue;
+            }
+            let (second, rest) = take(rest);
+            let (near, far) = (first.min(second), first.max(second));
+            if large {
+                fetch(simd, nodes, leaves, far.child());
+            }
+            if rest == 0 {
+                stack[height] = far;
+                height += 1;
+                next = near.child();
+                continue;
+            }
+            let (third, mut rest) = take(rest);
+            let mut nearest = near.min(third);
+            let third = near.max(third);
+            if large {
+                fetch(simd, nodes, leaves, third.child());
+            }
+            stack[height] = far.max(third);
+            stack[height + 1] = far.min(third);
+            let bottom = height;
+            height += 2;
+            while rest != 0 {
+                let (other, left) = take(rest);
+                rest = left;
+                let farther = nearest.max(other);
+                nearest = nearest.min(other);
+                let mut at = height;
+                while at > bottom && stack[at - 1] < farther {
+                    stack[at] = stack[at - 1];
+                    at -= 1;
+                }
+                stack[at] = farther;
+                height += 1;
+            }
+            next = nearest.child();
         }
-        loop {
-            if height == 0 {
+        let Some(leaf_idx) = next.as_leaf() else {
+            if next.is_empty() {
                 return;
             }
-            height -= 1;
-            if stack[height].entry() <= query.t_max() {
-                next = stack[height].child();
-                break;
-            }
+            let unused = full.take().expect("the full stack is enough for every tree");
+            stack = enlarged(unused, &stack[..height]);
+            continue;
+        };
+        probe.leaf_visited(leaf_idx);
+        let over = simd.apart(
+            #[inline(always)]
+            || {
+                let ray = prepared.get_or_insert_with(
+                    #[inline(always)]
+                    || PreparedRay::new(*ray),
+                );
+                query.leaf(simd, leaf_idx, leaves, ray, probe)
+            },
+        );
+        if over {
+            return;
+        }
+        t_max = query.t_max();
+        next = popped(stack, &mut height, t_max);
+    }
+}
+
+/// Asks for a node that waits.
+#[inline(always)]
+fn fetch<S: Instructions, const N: usize, L: LeafIntersector>(
+    simd: S,
+    nodes: &[WideNode<N>],
+    leaves: &L,
+    child: ChildRef,
+) {
+    match child.as_leaf() {
+        Some(leaf_idx) => leaves.prefetch(simd, leaf_idx),
+        None => simd.prefetch(nodes, child.0 as usize),
+    }
+}
+
+/// The nearest node that waits and begins before `t_max`.
+#[inline(always)]
+fn popped(stack: &[Waiting], height: &mut usize, t_max: f32) -> ChildRef {
+    loop {
+        *height -= 1;
+        let waiting = stack[*height];
+        if waiting.entry() <= t_max {
+            return waiting.child();
         }
     }
 }
@@ -334,7 +407,7 @@ fn walk<S: Simd, const N: usize, L: LeafIntersector, Q: Query<L>, P: Probe>(
 /// A full stack with what waits on the small one.
 #[cold]
 fn enlarged<'a>(full: &'a mut Vec<Waiting>, waiting: &[Waiting]) -> &'a mut [Waiting] {
-    full.resize(FULL_STACK, Waiting(0));
+    full.resize(FULL_STACK, Waiting::NONE);
     full[..waiting.len()].copy_from_slice(waiting);
     full
 }

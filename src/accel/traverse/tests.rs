@@ -7,10 +7,10 @@ use rand_pcg::Pcg32;
 use super::*;
 use crate::accel::config::{Builder, Widen, Width};
 use crate::accel::{BuildConfig, build};
-use crate::geometry::{Aabb, Ray, Slabs};
+use crate::geometry::{Aabb, Hit, Ray, Slabs};
 use crate::task::Task;
 
-const LEVEL: fearless_simd::Fallback = fearless_simd::Fallback::new();
+const LEVEL: SimdToken = SimdToken::Scalar(Fallback::new());
 
 /// Leaves whose shapes are the boxes themselves, entered at their near side.
 struct Boxes<'a> {
@@ -25,6 +25,15 @@ fn box_entry(bounds: &Aabb, ray: &PreparedRay) -> Option<f32> {
 }
 
 impl LeafIntersector for Boxes<'_> {
+    type Best<'a>
+        = Hit
+    where
+        Self: 'a;
+
+    fn t_max(best: &Hit) -> f32 {
+        best.t
+    }
+
     fn intersect<S: Simd, P: Probe>(
         &self,
         _: S,
@@ -117,11 +126,11 @@ fn every_tree_gives_the_answers_of_brute_force() {
                 for ray in &rays {
                     let expected = nearest(&boxes, ray);
                     let mut hit = Hit::none(ray.ray.t_max);
-                    intersect(LEVEL, &tree, &leaves, ray, &mut hit, &mut ());
+                    intersect(LEVEL, &tree, &leaves, &ray.ray, &mut hit, &mut ());
                     assert_eq!(hit, expected, "{config:?}, {ray:?}");
-                    let any = occluded(LEVEL, &tree, &leaves, ray, &|_| true, &mut ());
+                    let any = occluded(LEVEL, &tree, &leaves, &ray.ray, &|_| true, &mut ());
                     assert_eq!(any.is_some(), expected.is_some());
-                    let even = occluded(LEVEL, &tree, &leaves, ray, &|shape| shape % 2 == 0, &mut ());
+                    let even = occluded(LEVEL, &tree, &leaves, &ray.ray, &|shape| shape % 2 == 0, &mut ());
                     let expected_even =
                         (0..boxes.len()).step_by(2).any(|i| box_entry(&boxes[i], ray).is_some());
                     assert_eq!(even.is_some(), expected_even);
@@ -139,8 +148,8 @@ fn a_ray_that_misses_the_root_visits_nothing() {
     let ray = PreparedRay::new(Ray::new(Vec3::splat(100.0), Vec3::X));
     let mut counters = RayCounters::default();
     let mut hit = Hit::none(f32::INFINITY);
-    intersect(LEVEL, &tree, &Boxes { tree: &tree, boxes: &boxes }, &ray, &mut hit, &mut counters);
-    assert!(!hits_root(&tree, &ray) && !hit.is_some());
+    intersect(LEVEL, &tree, &Boxes { tree: &tree, boxes: &boxes }, &ray.ray, &mut hit, &mut counters);
+    assert!(!hits_root(&tree, &ray.ray) && !hit.is_some());
     assert_eq!(counters, RayCounters::default());
 }
 
@@ -153,7 +162,7 @@ fn counters_of_a_small_tree_are_those_counted_by_hand() {
     let ray = PreparedRay::new(Ray::new(Vec3::new(-1.0, 0.5, 0.5), Vec3::X));
     let mut counters = RayCounters::default();
     let mut hit = Hit::none(f32::INFINITY);
-    intersect(LEVEL, &tree, &Boxes { tree: &tree, boxes: &boxes }, &ray, &mut hit, &mut counters);
+    intersect(LEVEL, &tree, &Boxes { tree: &tree, boxes: &boxes }, &ray.ray, &mut hit, &mut counters);
     // A box is entered a little early, by the margin of its test.
     assert!(hit.shape == 0 && (hit.t - 1.0).abs() < 1e-5, "{hit:?}");
     assert_eq!(counters, RayCounters { inner_visits: 1, leaf_visits: 1, box_tests: 2, shape_tests: 1 });
@@ -167,6 +176,6 @@ fn a_root_that_is_a_leaf_is_visited_as_one() {
     let ray = PreparedRay::new(Ray::new(Vec3::new(0.5, 0.5, -1.0), Vec3::Z));
     let mut counters = RayCounters::default();
     let mut hit = Hit::none(f32::INFINITY);
-    intersect(LEVEL, &tree, &Boxes { tree: &tree, boxes: &boxes }, &ray, &mut hit, &mut counters);
+    intersect(LEVEL, &tree, &Boxes { tree: &tree, boxes: &boxes }, &ray.ray, &mut hit, &mut counters);
     assert_eq!(counters, RayCounters { inner_visits: 0, leaf_visits: 1, box_tests: 0, shape_tests: 1 });
 }
