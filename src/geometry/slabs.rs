@@ -8,7 +8,7 @@
 //! to the interval of its own box ([`Span`]). So a walk that skips boxes by these intervals finds exactly what testing
 //! every shape finds, whatever the tree.
 
-use glam::Vec3;
+use glam::Vec3A;
 
 use super::{Aabb, PreparedRay};
 
@@ -21,10 +21,10 @@ use super::{Aabb, PreparedRay};
 #[derive(Clone, Copy, Debug)]
 pub struct Slabs {
     /// The origin moved along the direction's signs.
-    pub near_origin: Vec3,
+    pub near_origin: Vec3A,
     /// The origin moved against the direction's signs.
-    pub far_origin: Vec3,
-    pub inv_direction: Vec3,
+    pub far_origin: Vec3A,
+    pub inv_direction: Vec3A,
 }
 
 impl Slabs {
@@ -35,35 +35,28 @@ impl Slabs {
     /// Prepares `ray` for boxes inside `within`.
     #[inline]
     pub fn new(ray: &PreparedRay, within: &Aabb) -> Self {
-        let origin = ray.ray.origin;
-        let reach = (within.min - origin).abs().max((within.max - origin).abs()).max_element();
+        let (origin, inv_direction) = (Vec3A::from(ray.ray.origin), Vec3A::from(ray.inv_direction));
+        let (min, max) = (Vec3A::from(within.min), Vec3A::from(within.max));
+        let reach = (min - origin).abs().max((max - origin).abs()).max_element();
         // The second term moves by at least one unit in the last place of the origin.
-        let margin = Vec3::splat(reach * Self::MARGIN) + origin.abs() * f32::EPSILON;
-        let outwards = margin.copysign(ray.inv_direction);
-        Self {
-            near_origin: origin + outwards,
-            far_origin: origin - outwards,
-            inv_direction: ray.inv_direction,
-        }
+        let margin = Vec3A::splat(reach * Self::MARGIN) + origin.abs() * f32::EPSILON;
+        let outwards = margin.copysign(inv_direction);
+        Self { near_origin: origin + outwards, far_origin: origin - outwards, inv_direction }
     }
 
     /// Where the line enters and leaves the box; it misses the box if `enter > leave`.
     #[inline]
     pub fn interval(&self, bounds: &Aabb) -> (f32, f32) {
-        let (mut enter, mut leave) = (f32::NEG_INFINITY, f32::INFINITY);
-        for axis in 0..3 {
-            let inv = self.inv_direction[axis];
-            let (near, far) = if inv < 0.0 {
-                (bounds.max[axis], bounds.min[axis])
-            } else {
-                (bounds.min[axis], bounds.max[axis])
-            };
-            let t_near = (near - self.near_origin[axis]) * inv;
-            let t_far = (far - self.far_origin[axis]) * inv;
-            enter = if t_near > enter { t_near } else { enter };
-            leave = if t_far < leave { t_far } else { leave };
-        }
-        (enter, leave)
+        let (min, max) = (Vec3A::from(bounds.min), Vec3A::from(bounds.max));
+        let inv = self.inv_direction;
+        let flipped = inv.cmplt(Vec3A::ZERO);
+        let near = (Vec3A::select(flipped, max, min) - self.near_origin) * inv;
+        let far = (Vec3A::select(flipped, min, max) - self.far_origin) * inv;
+        // Not by min and max, which treat a NaN otherwise on every processor.
+        let (nothing, everything) = (Vec3A::NEG_INFINITY, Vec3A::INFINITY);
+        let enter = Vec3A::select(near.cmpgt(nothing), near, nothing);
+        let leave = Vec3A::select(far.cmplt(everything), far, everything);
+        (enter.max_element(), leave.min_element())
     }
 }
 
@@ -102,6 +95,7 @@ impl Span {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg32;
 
