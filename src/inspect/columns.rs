@@ -53,7 +53,9 @@ pub static COLUMNS: &[Column] = &[
     text("name", "tree", "what this tree is called here", |s| s.name.clone().into()),
     text("builder", "builder", "how splits were found", |s| s.config.builder.name().into()),
     count("width", "width", "most children of a node", |s| s.config.width.get().into()),
-    count("bins", "bins", "bins an axis; only the binned builder looks at it", |s| s.config.bins.into()),
+    count("bins", "bins", "bins an axis; only the builders binned and spatial look at it", |s| {
+        s.config.bins.into()
+    }),
     count("leaf", "leaf limit", "most references in a leaf", |s| s.config.leaf.into()),
     count("node_count", "nodes", "inner nodes and leaves", |s| s.figures.node_count.into()).lower(),
     count("leaf_count", "leaves", "nodes that hold references", |s| s.figures.leaf_count.into()),

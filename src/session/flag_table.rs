@@ -56,7 +56,7 @@ pub(super) static FLAGS: &[Flag] = &[
         name: "bins",
         value_name: Some("N"),
         group: FlagGroup::Tree,
-        help: "Bins an axis of the binned builder, 2 to 256",
+        help: "Bins an axis of the builders binned and spatial, 2 to 256",
         choices: no_choices,
         set: |s, text| read_int(text, BuildConfig::BINS).map(|v| s.build_mut().bins = v),
         get: |s| s.build().bins.to_string(),

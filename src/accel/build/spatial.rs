@@ -77,7 +77,7 @@ struct Slot {
 }
 
 /// Most references of a tree over `count` shapes.
-pub fn most_refs(count: usize) -> usize {
+fn most_refs(count: usize) -> usize {
     count + (count as f64 * DUPLICATION) as usize
 }
 

@@ -45,7 +45,7 @@ impl BuildPanel {
                 widgets::integer_slider(ui, Term::Bins, &mut bins, BuildConfig::BINS, true)
             })
             .inner
-            .on_disabled_hover_text("Only the binned builder uses bins.");
+            .on_disabled_hover_text("Only the builders binned and spatial use bins.");
         let leaf_slider = widgets::integer_slider(ui, Term::Leaf, &mut leaf, BuildConfig::LEAF, true);
         let held = bins_slider.dragged() || leaf_slider.dragged();
         if held && !self.held {

@@ -56,7 +56,7 @@ glossary! {
     Width "Width" "How many children a node has at most."
     Widen "Wide nodes" "How nodes of width 4 and 8 are made: directly by several splits at once, or from the finished binary tree."
     Stop "Stop rule" "When a node becomes a leaf."
-    Bins "Bins" "The binned builder sorts shapes' centroids into this many bins an axis, and looks for splits only between bins."
+    Bins "Bins" "The builders binned and spatial sort shapes' centroids into this many bins an axis, and look for splits only between bins."
     Leaf "Leaf limit" "The most shapes that a leaf may hold."
     TraversalCost "Traversal cost" "C_t of the SAH cost: the price of visiting an inner node."
     IntersectionCost "Intersection cost" "C_i of the SAH cost: the price of testing a shape."
