@@ -15,7 +15,7 @@ use bvhscope::geometry::{
 };
 use bvhscope::scene::{Color, Material, MaterialKind, MeshTriangle, Scene, ShadowRule, ShapeSlot};
 use bvhscope::task::Task;
-use bvhscope::world::World;
+use bvhscope::world::{Packets, World};
 
 /// Materials of every test scene, by index.
 const DIFFUSE: u32 = 0;
@@ -542,6 +542,113 @@ fn every_level_of_instructions_gives_the_same_hits_and_counts() {
                     }
                 }
             }
+        }
+    }
+}
+
+/// Rays that are alike: each a base ray with its end moved a little, a fan in a plane, or the same ray again and again; from
+/// one origin or from several.
+fn coherent_rays(scene: &Scene) -> Vec<Ray> {
+    let mut rng = Pcg32::seed_from_u64(7);
+    let mut all = Vec::new();
+    for (i, base) in rays(scene, 160).into_iter().enumerate() {
+        let spread = [0.0, 0.01, 0.2, 0.6][i % 4];
+        let from_one = i % 3 != 0;
+        // Now and then fewer than a packet holds.
+        for _ in 0..if i % 10 == 9 { 23 } else { 64 } {
+            let mut moved = vec(&mut rng, 1.0) * spread;
+            if i % 7 == 0 {
+                moved[i % 3] = 0.0;
+            }
+            let shift = if from_one { Vec3::ZERO } else { vec(&mut rng, 0.1) };
+            all.push(Ray { origin: base.origin + shift, direction: base.direction + moved, ..base });
+        }
+    }
+    all
+}
+
+fn check_packets(world: &World, rays: &[Ray], context: &str) {
+    let mut packets = Packets::new(world).without_pauses();
+    let alone: Vec<_> = rays
+        .iter()
+        .map(|ray| {
+            let mut counters = [RayCounters::default(); 2];
+            let hit = world.intersect(ray, &mut counters[0]);
+            let stopped = world.occluded_filtered(ray, ShadowRule::Glass, &mut counters[1]).is_some();
+            (hit, stopped, world.occluded(ray, &mut ()).is_some(), counters)
+        })
+        .collect();
+    let check = |ray: usize, same: bool, what: &str| {
+        assert!(same, "{what} of {:?}, whose answers alone are {:?}, {context}", rays[ray], alone[ray]);
+    };
+    for (i, hit) in packets.intersect(rays).iter().enumerate() {
+        check(i, *hit == alone[i].0, "the hit");
+    }
+    let (hits, counters) = packets.intersect_and_count(rays);
+    for i in 0..rays.len() {
+        check(i, hits[i] == alone[i].0, "the counted hit");
+        check(i, counters[i] == alone[i].3[0], &format!("the counters {:?}", counters[i]));
+    }
+    for (i, counters) in packets.count(rays).iter().enumerate() {
+        check(i, *counters == alone[i].3[0], "the counters without hits");
+    }
+    for (i, stopped) in packets.occluded(rays).iter().enumerate() {
+        check(i, *stopped == alone[i].2, "occluded");
+    }
+    for (i, stopped) in packets.occluded_filtered(rays, ShadowRule::Glass).iter().enumerate() {
+        check(i, *stopped == alone[i].1, "occluded with filter");
+    }
+    let (stopped, counters) = packets.occluded_filtered_and_count(rays, ShadowRule::Glass);
+    for i in 0..rays.len() {
+        check(i, stopped[i] == alone[i].1, "occluded with filter, counted,");
+        check(i, counters[i] == alone[i].3[1], &format!("the shadow ray's counters {:?}", counters[i]));
+    }
+    // With pauses: whatever was traced before.
+    let mut packets = Packets::new(world);
+    for i in [0, rays.len() / 2] {
+        for (j, hit) in packets.intersect(&rays[i..]).iter().enumerate() {
+            check(i + j, *hit == alone[i + j].0, "the hit, with pauses,");
+        }
+    }
+}
+
+/// Packets answer and count as their rays alone, to the last bit.
+#[test]
+fn a_packet_answers_and_counts_as_its_rays_alone() {
+    let levels = || SimdLevel::ALL.into_iter().filter(|level| level.is_available());
+    for scene in scenes() {
+        let scene = Arc::new(scene);
+        let mut all = coherent_rays(&scene);
+        all.extend(rays(&scene, 500));
+        for width in Width::ALL {
+            for (leaf, simd) in [1, 6].into_iter().flat_map(|leaf| levels().map(move |simd| (leaf, simd))) {
+                let config = BuildConfig { width, leaf, simd, ..BuildConfig::default() };
+                let world = build(&scene, &config);
+                check_packets(&world, &all, &format!("'{}' with {config:?}", scene.name));
+            }
+        }
+    }
+}
+
+/// The deepest tree, and so many equally near shapes that rays disagree about their order all the way down.
+#[test]
+fn packets_part_ways_as_often_as_they_must() {
+    let mut rng = Pcg32::seed_from_u64(9);
+    let spheres = (0..400).map(|_| {
+        let sphere = Sphere { center: vec(&mut rng, 0.01), radius: 1.0 };
+        (Shape::Sphere(sphere), DIFFUSE)
+    });
+    let scene = Arc::new(scene_of("nested spheres", spheres));
+    let rays: Vec<Ray> = (0..128)
+        .map(|_| {
+            let origin = Vec3::new(0.1, 0.2, -5.0) + vec(&mut rng, 0.5);
+            Ray::new(origin, vec(&mut rng, 0.3) - origin)
+        })
+        .collect();
+    for width in Width::ALL {
+        for builder in [Builder::Median, Builder::Binned] {
+            let config = BuildConfig { builder, width, leaf: 1, ..BuildConfig::default() };
+            check_packets(&build(&scene, &config), &rays, &format!("{config:?}"));
         }
     }
 }

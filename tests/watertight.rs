@@ -19,7 +19,7 @@ use bvhscope::accel::{BuildConfig, Width};
 use bvhscope::geometry::{Ray, ShapeKind};
 use bvhscope::scene::{Color, Material, MaterialKind, Mesh, Scene, ShapeSlot};
 use bvhscope::task::Task;
-use bvhscope::world::World;
+use bvhscope::world::{Packets, World};
 
 /// Rays in each mesh where the environment does not say how many: a few seconds without optimisation.
 const DEFAULT_RAYS: usize = 60_000;
@@ -196,6 +196,21 @@ fn check(shot: &Shot, world: &World, config: &BuildConfig) {
     }
 }
 
+/// What the rays of a packet that walk together have in common: the signs and the largest axis of their directions.
+fn octant_and_axis(direction: Vec3) -> (u32, usize) {
+    (direction.is_negative_bitmask(), direction.abs().max_position())
+}
+
+fn check_packets(rays: &[Ray], world: &World, config: &BuildConfig) {
+    let mut packets = Packets::new(world).without_pauses();
+    for (ray, hit) in rays.iter().zip(packets.intersect(rays)) {
+        assert_eq!(*hit, world.intersect(ray, &mut ()), "in a packet {ray:?} goes astray with {config:?}");
+    }
+    for (ray, occluded) in rays.iter().zip(packets.occluded(rays)) {
+        assert!(occluded, "in a packet occluded: {ray:?} leaves the mesh with {config:?}");
+    }
+}
+
 fn check_mesh(mesh: &ClosedMesh) {
     assert!(mesh.axis_targets.len() > 1000, "only {}", mesh.axis_targets.len());
     let worlds = worlds(mesh);
@@ -203,10 +218,14 @@ fn check_mesh(mesh: &ClosedMesh) {
     (0..chunks).into_par_iter().for_each(|chunk| {
         let mut rng = Pcg32::seed_from_u64(chunk as u64);
         let shots: Vec<Shot> = (0..CHUNK).map(|i| Shot::number(i, mesh, &mut rng)).collect();
+        // Those that may walk together side by side.
+        let mut rays: Vec<Ray> = shots.iter().map(|shot| shot.ray).collect();
+        rays.sort_by_key(|ray| octant_and_axis(ray.direction));
         for (config, world) in &worlds {
             for shot in &shots {
                 check(shot, world, config);
             }
+            check_packets(&rays, world, config);
         }
     });
 }

@@ -1,5 +1,7 @@
 //! A parallelogram: corner, and its two edges; the outside is along `edge_u x edge_v`.
 
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
 use glam::{DVec3, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +13,48 @@ use super::{Aabb, PreparedRay, Ray, ShapeHit, SurfacePoint, SurfaceSample};
 /// How far beyond an edge, as a share of its length, a ray still hits: what double precision may lose. Far below one
 /// unit in the last place of a single precision coordinate, it closes the gap between quads that share an edge.
 const EDGE_SLACK: f64 = 1e-12;
+
+/// Shares of an edge between which a ray hits.
+pub(crate) const EDGE: std::ops::RangeInclusive<f64> = -EDGE_SLACK..=1.0 + EDGE_SLACK;
+
+/// A quad in double precision, with its normal and the inverse of the normal's squared length.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FlatQuad {
+    corner: [f64; 3],
+    edge_u: [f64; 3],
+    edge_v: [f64; 3],
+    normal: [f64; 3],
+    scale: f64,
+}
+
+impl FlatQuad {
+    /// Where a ray meets the plane: its t, and the shares of the edges. `T` is a number or a vector of lanes; the arithmetic
+    /// is the same.
+    #[inline(always)]
+    pub(crate) fn meet<T>(&self, origin: [T; 3], direction: [T; 3]) -> [T; 3]
+    where
+        T: Copy
+            + Add<Output = T>
+            + Sub<Output = T>
+            + Mul<Output = T>
+            + Div<Output = T>
+            + Sub<f64, Output = T>
+            + Mul<f64, Output = T>
+            + Neg<Output = T>,
+    {
+        let Self { corner, edge_u, edge_v, normal, scale } = self;
+        let dot = |a: [T; 3]| a[0] * normal[0] + a[1] * normal[1] + a[2] * normal[2];
+        let to_origin = [origin[0] - corner[0], origin[1] - corner[1], origin[2] - corner[2]];
+        let t = -dot(to_origin) / dot(direction);
+        let at = |axis: usize| origin[axis] + direction[axis] * t - corner[axis];
+        let p = [at(0), at(1), at(2)];
+        let [a, b, c] = *edge_v;
+        let u = dot([p[1] * c - p[2] * b, p[2] * a - p[0] * c, p[0] * b - p[1] * a]) * *scale;
+        let [a, b, c] = *edge_u;
+        let v = dot([p[2] * b - p[1] * c, p[0] * c - p[2] * a, p[1] * a - p[0] * b]) * *scale;
+        [t, u, v]
+    }
+}
 
 /// A parallelogram: corner, and its two edges; the outside is along `edge_u x edge_v`. One without area is never hit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,29 +91,43 @@ impl Quad {
 
     /// The hit in a span of the ray that was made for the quad's own box. The hit's `u` and `v` are the shares of the edges.
     pub fn intersect_in(&self, ray: &PreparedRay, span: &Span) -> Option<ShapeHit> {
-        let (corner, edge_u, edge_v) = self.in_double();
         let (origin, direction) = (ray.ray.origin.as_dvec3(), ray.ray.direction.as_dvec3());
-        let normal = edge_u.cross(edge_v);
-        let t = normal.dot(corner - origin) / normal.dot(direction);
-        let in_plane = origin + direction * t - corner;
-        let scale = 1.0 / normal.length_squared();
-        let u = in_plane.cross(edge_v).dot(normal) * scale;
-        let v = edge_u.cross(in_plane).dot(normal) * scale;
+        let [t, u, v] = self.flat().meet(origin.to_array(), direction.to_array());
         // A quad without area or a ray along it makes NaN, which is in no range.
-        let edge = -EDGE_SLACK..=1.0 + EDGE_SLACK;
-        if !(edge.contains(&u) && edge.contains(&v)) {
+        if !(EDGE.contains(&u) && EDGE.contains(&v)) {
             return None;
         }
-        let t = span.place(t)?;
-        Some(ShapeHit { t, u: u.clamp(0.0, 1.0) as f32, v: v.clamp(0.0, 1.0) as f32 })
+        Some(Self::hit_at(span.place(t)?, u, v))
     }
 
+    /// The hit at `t` and at these shares of the edges.
+    #[inline(always)]
+    pub(crate) fn hit_at(t: f32, u: f64, v: f64) -> ShapeHit {
+        ShapeHit { t, u: u.clamp(0.0, 1.0) as f32, v: v.clamp(0.0, 1.0) as f32 }
+    }
+
+    /// What all rays that meet it share.
+    #[inline]
+    pub(crate) fn flat(&self) -> FlatQuad {
+        let (corner, edge_u, edge_v) = self.in_double();
+        let normal = edge_u.cross(edge_v);
+        FlatQuad {
+            corner: corner.to_array(),
+            edge_u: edge_u.to_array(),
+            edge_v: edge_v.to_array(),
+            normal: normal.to_array(),
+            scale: 1.0 / normal.length_squared(),
+        }
+    }
+
+    #[inline]
     pub fn surface(&self, _ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
         let SurfaceSample { position, error, normal, uv } = self.sample(Vec2::new(hit.u, hit.v));
         SurfacePoint { position, error, normal, uv }
     }
 
     /// The unit normal on the outside; zero for a quad without area.
+    #[inline]
     pub fn normal(&self) -> Vec3 {
         let (_, edge_u, edge_v) = self.in_double();
         edge_u.cross(edge_v).normalize_or_zero().as_vec3()
@@ -80,6 +138,7 @@ impl Quad {
         edge_u.cross(edge_v).length() as f32
     }
 
+    #[inline]
     pub fn sample(&self, u: Vec2) -> SurfaceSample {
         let (corner, edge_u, edge_v) = self.in_double();
         let point = corner + edge_u * f64::from(u.x) + edge_v * f64::from(u.y);

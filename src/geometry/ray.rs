@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// A ray segment: points `origin + t * direction` for `t_min <= t <= t_max`. The direction need not be of unit length;
 /// t is in units of it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Ray {
     pub origin: Vec3,

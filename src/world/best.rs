@@ -20,10 +20,26 @@ impl<'a> Best<'a> {
         Self { hit, pending: None }
     }
 
+    /// A hit that may be of a triangle of which only bounds are known.
+    #[inline(always)]
+    pub fn pending(hit: Hit, pending: Option<Passed<'a>>) -> Self {
+        let t = pending.as_ref().map_or(hit.t, |passed| passed.upper);
+        Self { hit: Hit { t, ..hit }, pending }
+    }
+
     /// Nothing behind this can be the nearest hit.
     #[inline(always)]
     pub fn t_max(&self) -> f32 {
         self.hit.t
+    }
+
+    /// The nearest hit, or the triangle that is it, as far as that is known.
+    #[inline(always)]
+    pub fn known(self) -> Result<Hit, Passed<'a>> {
+        match self.pending {
+            Some(passed) => Err(passed),
+            None => Ok(self.hit),
+        }
     }
 
     /// The nearest hit itself.

@@ -3,7 +3,7 @@
 //! The edge test runs on all lanes. Of the lanes that pass it, those whose distance cannot matter are dropped by an error
 //! bound, and what is left is confirmed one by one in double precision.
 
-use fearless_simd::{Simd, f32x4, mask32x4, prelude::*};
+use fearless_simd::{Simd, f32x4, prelude::*};
 use glam::Vec3;
 
 use crate::geometry::triangle::{Sheared, edges, shear};
@@ -116,6 +116,12 @@ impl TriangleBlock {
         self.shapes[0] & GOES_ON != 0
     }
 
+    /// A corner of a lane's triangle along an axis.
+    #[inline(always)]
+    pub fn coordinate(&self, lane: usize, corner: usize, axis: usize) -> f32 {
+        self.corners[corner % 3][axis % 3][lane % LANES]
+    }
+
     /// Triangles in it.
     #[inline(always)]
     pub fn count(&self) -> u32 {
@@ -123,7 +129,7 @@ impl TriangleBlock {
     }
 
     #[inline(always)]
-    fn triangle(&self, lane: usize) -> Triangle {
+    pub fn triangle(&self, lane: usize) -> Triangle {
         let [a, b, c] = &self.corners;
         let [a, b, c] = [
             Vec3::new(a[0][lane], a[1][lane], a[2][lane]),
@@ -151,7 +157,8 @@ impl TriangleBlock {
         }
         let [a, b, c] = corners;
         let depths = [a[2] - ray.origin[2], b[2] - ray.origin[2], c[2] - ray.origin[2]];
-        let Bounded { known, inside, lower, upper } = bounded(simd, sheared, edges, depths, ray.ray.shear[2]);
+        let Bounded { known, inside, lower, upper } =
+            bounded(simd, sheared, edges, depths, spread(simd, ray.ray.shear[2]));
         let (t_min, t_max) = (spread(simd, ray.ray.ray.t_min), spread(simd, t_max));
         // A NaN says nothing.
         let outside = known & (upper.simd_lt(t_min) | lower.simd_gt(t_max));
@@ -192,7 +199,7 @@ fn load<S: Simd>(ray: &LaneRay<S>, corner: &[[f32; LANES]; 3]) -> [f32x4<S>; 3] 
 
 /// The largest magnitude in every lane.
 #[inline(always)]
-fn most<S: Simd>([a, b, c]: [f32x4<S>; 3]) -> f32x4<S> {
+fn most<S: Simd, V: SimdFloat<S, Element = f32>>([a, b, c]: [V; 3]) -> V {
     a.abs().max(b.abs()).max(c.abs())
 }
 
@@ -200,13 +207,13 @@ fn most<S: Simd>([a, b, c]: [f32x4<S>; 3]) -> f32x4<S> {
 const MOST_DET_ERROR: f32 = 0.0625;
 
 /// What rounding errors leave no doubt about.
-struct Bounded<S: Simd> {
+pub(super) struct Bounded<S: Simd, V: SimdFloat<S>> {
     /// Lanes with a distance between `lower` and `upper`, both not reached.
-    known: mask32x4<S>,
+    pub known: V::Mask,
     /// Those of them that the ray passes through, away from the edges.
-    inside: mask32x4<S>,
-    lower: f32x4<S>,
-    upper: f32x4<S>,
+    pub inside: V::Mask,
+    pub lower: V,
+    pub upper: V,
 }
 
 /// Bounds the distances by single precision arithmetic.
@@ -214,13 +221,13 @@ struct Bounded<S: Simd> {
 /// The bounds are those of Pharr, Jakob and Humphreys, "Physically Based Rendering", third edition, 3.9.6, to which the
 /// error of the determinant is added, and all of it doubled.
 #[inline(always)]
-fn bounded<S: Simd>(
+pub(super) fn bounded<S: Simd, V: SimdFloat<S, Element = f32>>(
     simd: S,
-    sheared: Sheared<f32x4<S>>,
-    edges: [f32x4<S>; 3],
-    depths: [f32x4<S>; 3],
-    inv_depth: f32,
-) -> Bounded<S> {
+    sheared: Sheared<V>,
+    edges: [V; 3],
+    depths: [V; 3],
+    inv_depth: V,
+) -> Bounded<S, V> {
     /// Relative error of `n` operations in a row.
     const fn gamma(n: i32) -> f32 {
         let error = n as f32 * 0.5 * f32::EPSILON;
@@ -232,12 +239,12 @@ fn bounded<S: Simd>(
     let e_error = (x * y * gamma(2) + y_error * x + x_error * y) * 2.0;
     let sum_error = (e * z * gamma(3) + e_error * z + z_error * e) * 3.0;
     let det = edges[0] + edges[1] + edges[2];
-    let scale = spread(simd, inv_depth) / det;
+    let scale = inv_depth / det;
     let t = (edges[0] * depths[0] + edges[1] * depths[1] + edges[2] * depths[2]) * scale;
     let det_share = e_error * 3.0 / det.abs();
     let error = (sum_error * scale.abs() + t.abs() * (det_share + gamma(6))) * 1.125;
     let [a, b, c] = edges;
-    let known = det_share.simd_lt(spread(simd, MOST_DET_ERROR));
+    let known = det_share.simd_lt(V::simd_from(simd, MOST_DET_ERROR));
     let inside = known & a.abs().min(b.abs()).min(c.abs()).simd_gt(e_error * 2.0);
     Bounded { known, inside, lower: t - error, upper: t + error }
 }
@@ -274,9 +281,9 @@ impl<S: Simd> Candidates<S> {
 /// A triangle that the ray passes through for sure, and about where.
 #[derive(Clone, Copy, Debug)]
 pub struct Passed<'a> {
-    block: &'a TriangleBlock,
-    lane: u32,
-    edges: [f32; 3],
+    pub block: &'a TriangleBlock,
+    pub lane: u32,
+    pub edges: [f32; 3],
     /// The distance lies strictly between these.
     pub lower: f32,
     pub upper: f32,

@@ -6,6 +6,8 @@
 mod best;
 mod block;
 mod blockers;
+mod packet;
+mod packets;
 pub mod store;
 
 use std::sync::Arc;
@@ -25,6 +27,7 @@ pub use store::PrimStore;
 
 pub use best::Best;
 use blockers::Blockers;
+pub use packets::Packets;
 use store::Beyond;
 
 /// A frozen scene with one tree over its bounded shapes. Immutable; share it behind an `Arc`.
@@ -115,6 +118,24 @@ impl World {
         Some(hit.shape)
     }
 
+    /// Keeps the nearest hit of what is outside the tree.
+    #[inline]
+    fn outside_nearest(&self, ray: &Ray, t_min: impl Fn(u32) -> f32, best: &mut Best<'_>) {
+        for (index, plane, _) in self.scene.unbounded() {
+            let answer = plane.intersect_within(&PreparedRay::new(*ray), t_min(index), best.t_max());
+            best.keep(ray, index, answer);
+        }
+    }
+
+    /// What is outside the tree and stops a ray.
+    #[inline]
+    fn outside_stops(&self, ray: &Ray, blocks: impl Fn(u32) -> bool) -> Option<u32> {
+        let mut outside = self.scene.unbounded();
+        let found = outside
+            .find(|(index, plane, _)| blocks(*index) && plane.intersect(&PreparedRay::new(*ray)).is_some());
+        found.map(|(index, ..)| index)
+    }
+
     /// Compiled for every level of instructions, so not inlined.
     #[inline(never)]
     fn nearest<'a, L: LeafIntersector<Best<'a> = Best<'a>> + 'a, P: Probe>(
@@ -125,10 +146,7 @@ impl World {
         probe: &mut P,
     ) -> Option<Hit> {
         let mut best = Best::new(Hit::none(ray.last()));
-        for (index, plane, _) in self.scene.unbounded() {
-            let answer = plane.intersect_within(&PreparedRay::new(*ray), t_min(index), best.t_max());
-            best.keep(ray, index, answer);
-        }
+        self.outside_nearest(ray, t_min, &mut best);
         traverse::intersect(self.simd, &self.tree, leaves, ray, &mut best, probe);
         let hit = *best.exact(ray);
         hit.is_some().then_some(hit)
@@ -137,11 +155,7 @@ impl World {
     /// Compiled for every level of instructions, so not inlined.
     #[inline(never)]
     fn any<P: Probe>(&self, ray: &Ray, blocks: impl Fn(u32) -> bool, probe: &mut P) -> Option<u32> {
-        let in_the_way = self
-            .scene
-            .unbounded()
-            .find(|(index, plane, _)| blocks(*index) && plane.intersect(&PreparedRay::new(*ray)).is_some())
-            .map(|(index, ..)| index);
+        let in_the_way = self.outside_stops(ray, &blocks);
         if in_the_way.is_some() {
             return in_the_way;
         }

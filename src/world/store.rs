@@ -73,10 +73,19 @@ impl Range {
 
 /// A shape with its box and its index in the scene.
 #[derive(Clone, Copy, Debug)]
-struct Stored<S> {
-    bounds: Aabb,
-    geometry: S,
-    shape: u32,
+pub(super) struct Stored<S> {
+    pub bounds: Aabb,
+    pub geometry: S,
+    pub shape: u32,
+}
+
+/// Shapes of one leaf, in the order in which they are tested.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Others<'a> {
+    pub spheres: &'a [Stored<Sphere>],
+    pub cuboids: &'a [Stored<Cuboid>],
+    pub quads: &'a [Stored<Quad>],
+    pub tori: &'a [Stored<Torus>],
 }
 
 fn index(len: usize) -> u32 {
@@ -180,6 +189,18 @@ impl PrimStore {
             + size_of_val(&self.tori[..])
     }
 
+    /// The first block of a leaf.
+    #[inline(always)]
+    pub(super) fn block(&self, leaf_idx: u32) -> &TriangleBlock {
+        &self.blocks[leaf_idx as usize]
+    }
+
+    /// The other blocks of a leaf that [goes on](TriangleBlock::goes_on).
+    #[inline(always)]
+    pub(super) fn further_blocks(&self, leaf_idx: u32) -> &[TriangleBlock] {
+        self.rest(leaf_idx).blocks.of(&self.more_blocks)
+    }
+
     /// What the leaf of this first block holds beside it.
     #[inline]
     fn rest(&self, leaf_idx: u32) -> &Rest {
@@ -202,15 +223,14 @@ impl PrimStore {
         let block = &self.blocks[leaf_idx as usize];
         nearest_of_block(block, &lane_ray, t_min, best, probe);
         if block.goes_on() {
-            let rest = self.rest(leaf_idx);
-            for block in rest.blocks.of(&self.more_blocks) {
+            for block in self.further_blocks(leaf_idx) {
                 nearest_of_block(block, &lane_ray, t_min, best, probe);
             }
-            let query = Nearest { ray, t_min };
-            query.among(rest.spheres.of(&self.spheres), Sphere::intersect_in, best, probe);
-            query.among(rest.cuboids.of(&self.cuboids), Cuboid::intersect_in, best, probe);
-            query.among(rest.quads.of(&self.quads), Quad::intersect_in, best, probe);
-            query.among(rest.tori.of(&self.tori), Torus::intersect_in, best, probe);
+            let (others, query) = (self.others(leaf_idx), Nearest { ray, t_min });
+            query.among(others.spheres, Sphere::intersect_in, best, probe);
+            query.among(others.cuboids, Cuboid::intersect_in, best, probe);
+            query.among(others.quads, Quad::intersect_in, best, probe);
+            query.among(others.tori, Torus::intersect_in, best, probe);
         }
     }
 
@@ -231,19 +251,30 @@ impl PrimStore {
         if found.is_some() || !block.goes_on() {
             return found;
         }
-        let rest = self.rest(leaf_idx);
-        let query = Any { ray, t_min, blocks };
-        for block in rest.blocks.of(&self.more_blocks) {
+        for block in self.further_blocks(leaf_idx) {
             let found = any_of_block(block, &lane_ray, t_min, blocks, probe);
             if found.is_some() {
                 return found;
             }
         }
+        let (others, query) = (self.others(leaf_idx), Any { ray, t_min, blocks });
         query
-            .among(rest.spheres.of(&self.spheres), Sphere::intersect_in, probe)
-            .or_else(|| query.among(rest.cuboids.of(&self.cuboids), Cuboid::intersect_in, probe))
-            .or_else(|| query.among(rest.quads.of(&self.quads), Quad::intersect_in, probe))
-            .or_else(|| query.among(rest.tori.of(&self.tori), Torus::intersect_in, probe))
+            .among(others.spheres, Sphere::intersect_in, probe)
+            .or_else(|| query.among(others.cuboids, Cuboid::intersect_in, probe))
+            .or_else(|| query.among(others.quads, Quad::intersect_in, probe))
+            .or_else(|| query.among(others.tori, Torus::intersect_in, probe))
+    }
+
+    /// The shapes of a leaf that [goes on](TriangleBlock::goes_on) that are no triangles.
+    #[inline(always)]
+    pub(super) fn others(&self, leaf_idx: u32) -> Others<'_> {
+        let rest = self.rest(leaf_idx);
+        Others {
+            spheres: rest.spheres.of(&self.spheres),
+            cuboids: rest.cuboids.of(&self.cuboids),
+            quads: rest.quads.of(&self.quads),
+            tori: rest.tori.of(&self.tori),
+        }
     }
 }
 

@@ -7,6 +7,8 @@ use crate::accel::simd::{greater_or, less_or};
 use crate::accel::tree::WideNode;
 use crate::geometry::{Aabb, Ray, Slabs};
 
+use super::packet::Interval;
+
 /// A ray before it enters a tree: [`Slabs`] for the tree's box, computed on all axes at once.
 #[derive(Clone, Copy)]
 pub struct TreeRay {
@@ -47,6 +49,13 @@ impl TreeRay {
             t_min: ray.t_min,
             flipped: flipped.to_bitmask() as usize,
         })
+    }
+
+    /// A ray of a packet.
+    #[inline(always)]
+    pub fn from_parts(near: [f32; 3], far: [f32; 3], inv: [f32; 3], t_min: f32, flipped: usize) -> Self {
+        let four = |[x, y, z]: [f32; 3]| [x, y, z, z];
+        Self { near_origin: four(near), far_origin: four(far), inv_direction: four(inv), t_min, flipped }
     }
 
     /// Rows of [`WideNode::sides`] through which the ray enters, an axis each.
@@ -98,6 +107,9 @@ pub trait BoxLanes<S: Simd, const N: usize> {
     fn spread(simd: S, ray: &TreeRay) -> Self::Ray;
 
     fn enter(&self, simd: S, ray: &Self::Ray, t_max: f32) -> Entered<N>;
+
+    /// The slots whose boxes any ray of a packet may enter before `t_max`.
+    fn may_enter(&self, simd: S, packet: &Interval, t_max: f32) -> (u32, [f32; N]);
 }
 
 /// A ray spread over the lanes of as many boxes.
@@ -164,6 +176,11 @@ impl<S: Simd> BoxLanes<S, 8> for WideNode<8> {
     fn enter(&self, simd: S, ray: &Self::Ray, t_max: f32) -> Entered<8> {
         ray.enter(simd, &self.sides, t_max)
     }
+
+    #[inline(always)]
+    fn may_enter(&self, simd: S, packet: &Interval, t_max: f32) -> (u32, [f32; 8]) {
+        packet.enter::<S, f32x8<S>, 8>(simd, &self.sides, t_max)
+    }
 }
 
 impl<S: Simd> BoxLanes<S, 4> for WideNode<4> {
@@ -177,6 +194,11 @@ impl<S: Simd> BoxLanes<S, 4> for WideNode<4> {
     #[inline(always)]
     fn enter(&self, simd: S, ray: &Self::Ray, t_max: f32) -> Entered<4> {
         ray.enter(simd, &self.sides, t_max)
+    }
+
+    #[inline(always)]
+    fn may_enter(&self, simd: S, packet: &Interval, t_max: f32) -> (u32, [f32; 4]) {
+        packet.enter::<S, f32x4<S>, 4>(simd, &self.sides, t_max)
     }
 }
 
@@ -240,5 +262,10 @@ impl<S: Simd> BoxLanes<S, 2> for WideNode<2> {
         let far = less_or(simd, z.rotate_elements_left::<2>(), far);
         let [a, b, _, _] = near.to_array();
         Entered { slots: near.simd_le(far).to_bitmask() as u32 & 0b11, entries: [a, b] }
+    }
+
+    #[inline(always)]
+    fn may_enter(&self, simd: S, packet: &Interval, t_max: f32) -> (u32, [f32; 2]) {
+        packet.enter_pair(simd, &self.sides, t_max)
     }
 }

@@ -5,6 +5,7 @@
 //! instructions.
 
 mod boxes;
+pub mod packet;
 
 use fearless_simd::{Fallback, Simd};
 
@@ -227,7 +228,7 @@ pub fn hits_root(tree: &Tree, ray: &Ray) -> bool {
 
 /// A node that waits on the stack: the bits of where the ray enters it, then its reference. The nearer one is the smaller
 /// number; of equally near ones that with the smaller reference.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Waiting(u64);
 
 impl Waiting {
@@ -283,9 +284,28 @@ fn walk<'l, S: Instructions, const N: usize, L: LeafIntersector, Q: Query<'l, L>
 ) where
     WideNode<N>: BoxLanes<S, N>,
 {
+    if let Some(tree_ray) = TreeRay::new(simd, ray, &bvh.bounds, query.t_max()) {
+        walk_below(simd, bvh, bvh.root, leaves, ray, &tree_ray, query, probe, full);
+    }
+}
+
+/// The walk from a node on that the ray enters before its end.
+#[inline(always)]
+fn walk_below<'l, S: Instructions, const N: usize, L: LeafIntersector, Q: Query<'l, L>, P: Probe>(
+    simd: S,
+    bvh: &WideBvh<N>,
+    start: ChildRef,
+    leaves: &'l L,
+    ray: &Ray,
+    tree_ray: &TreeRay,
+    query: &mut Q,
+    probe: &mut P,
+    full: &mut Vec<Waiting>,
+) where
+    WideNode<N>: BoxLanes<S, N>,
+{
     let mut t_max = query.t_max();
-    let Some(tree_ray) = TreeRay::new(simd, ray, &bvh.bounds, t_max) else { return };
-    let lanes = WideNode::spread(simd, &tree_ray);
+    let lanes = WideNode::spread(simd, tree_ray);
     let mut prepared = None;
     let mut full = Some(full);
     let mut small = [Waiting::NONE; SMALL_STACK];
@@ -293,7 +313,7 @@ fn walk<'l, S: Instructions, const N: usize, L: LeafIntersector, Q: Query<'l, L>
     // The nodes that wait, the nearest on top.
     let mut stack = &mut small[..];
     let mut height = 1;
-    let mut next = bvh.root;
+    let mut next = start;
     let large = size_of_val(nodes) > CACHED;
     loop {
         // A loop of its own that calls nothing, so that what a node's test needs stays in registers on the way down.

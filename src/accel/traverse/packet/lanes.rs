@@ -1,0 +1,590 @@
+//! The rays of a packet as structure of arrays, and the tests of a box against all of them.
+
+use bytemuck::Zeroable;
+use fearless_simd::{Simd, f32x4, f32x8, mask32x8, prelude::*};
+
+use crate::accel::simd::{greater_or, less_or};
+use crate::geometry::{Aabb, PreparedRay, Ray, Slabs};
+
+use super::super::boxes::TreeRay;
+
+/// Rays in a packet, at most.
+pub const PACKET: usize = 64;
+/// Rays tested at once.
+pub const GROUP: usize = 8;
+const GROUPS: usize = PACKET / GROUP;
+
+/// A number of each ray of a packet.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub struct Lanes([[f32; GROUP]; GROUPS]);
+
+impl Lanes {
+    pub const ZERO: Self = Self([[0.0; GROUP]; GROUPS]);
+
+    #[inline(always)]
+    pub fn get(&self, ray: usize) -> f32 {
+        self.0[ray / GROUP % GROUPS][ray % GROUP]
+    }
+
+    #[inline(always)]
+    pub fn set(&mut self, ray: usize, value: f32) {
+        self.0[ray / GROUP % GROUPS][ray % GROUP] = value;
+    }
+
+    /// The numbers of four rays from `first`, a multiple of four, on.
+    #[inline(always)]
+    pub fn four(&self, first: usize) -> [f32; 4] {
+        let [a, b, c, d, e, f, g, h] = self.0[first / GROUP % GROUPS];
+        if first % GROUP == 0 { [a, b, c, d] } else { [e, f, g, h] }
+    }
+
+    /// The numbers of a group.
+    #[inline(always)]
+    pub fn load<S: Simd>(&self, simd: S, group: usize) -> f32x8<S> {
+        f32x8::load_array_ref(simd, &self.0[group])
+    }
+
+    #[inline(always)]
+    pub fn store<S: Simd>(&mut self, group: usize, values: f32x8<S>) {
+        self.0[group] = values.to_array();
+    }
+
+    /// The least and the most, over some rays.
+    #[inline(always)]
+    pub fn bounds<S: Simd>(&self, simd: S, rays: Rays) -> [f32; 2] {
+        let ends = [f32x8::simd_from(simd, f32::INFINITY), f32x8::simd_from(simd, f32::NEG_INFINITY)];
+        let [mut least, mut most] = ends;
+        for (group, asked) in rays.groups() {
+            let asked = mask32x8::from_bitmask(simd, u64::from(asked));
+            let values = self.load(simd, group);
+            least = asked.select(values, ends[0]).min(least);
+            most = asked.select(values, ends[1]).max(most);
+        }
+        let (least, most) = (least.to_array(), most.to_array());
+        [least.into_iter().fold(f32::INFINITY, f32::min), most.into_iter().fold(f32::NEG_INFINITY, f32::max)]
+    }
+
+    /// Replaces the numbers of the rays of `mask`, a bit a ray of the group.
+    #[inline(always)]
+    pub fn blend<S: Simd>(&mut self, group: usize, mask: mask32x8<S>, values: f32x8<S>, simd: S) {
+        let old = self.load(simd, group);
+        self.store(group, mask.select(values, old));
+    }
+}
+
+/// A set of rays of a packet, a bit each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Rays(pub u64);
+
+impl Rays {
+    pub const NONE: Self = Self(0);
+    pub const ALL: Self = Self(u64::MAX);
+
+    /// The first `count`.
+    pub fn first(count: usize) -> Self {
+        Self(if count < PACKET { (1 << count) - 1 } else { u64::MAX })
+    }
+
+    #[inline(always)]
+    pub fn one(ray: usize) -> Self {
+        Self(1 << ray)
+    }
+
+    /// The rays of a group, a bit each.
+    #[inline(always)]
+    pub fn in_group(group: usize, rays: u32) -> Self {
+        Self(u64::from(rays) << (GROUP * group))
+    }
+
+    #[inline(always)]
+    pub fn without(self, others: Self) -> Self {
+        Self(self.0 & !others.0)
+    }
+
+    #[inline(always)]
+    pub fn and(self, others: Self) -> Self {
+        Self(self.0 & others.0)
+    }
+
+    #[inline(always)]
+    pub fn or(self, others: Self) -> Self {
+        Self(self.0 | others.0)
+    }
+
+    #[inline(always)]
+    pub fn has(self, ray: usize) -> bool {
+        self.0 >> ray & 1 != 0
+    }
+
+    #[inline(always)]
+    pub fn count(self) -> u32 {
+        self.0.count_ones()
+    }
+
+    #[inline(always)]
+    pub fn lowest(self) -> Option<usize> {
+        self.iter().next()
+    }
+
+    #[inline(always)]
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// A bit for each ray of a group.
+    #[inline(always)]
+    pub fn of_group(self, group: usize) -> u32 {
+        (self.0 >> (GROUP * group)) as u32 & ((1 << GROUP) - 1)
+    }
+
+    /// The groups with any of the rays in them, and which.
+    #[inline(always)]
+    pub fn groups(self) -> impl Iterator<Item = (usize, u32)> {
+        Groups(self.0)
+    }
+
+    /// Their numbers, ascending.
+    #[inline(always)]
+    pub fn iter(self) -> impl Iterator<Item = usize> {
+        Bits(self.0)
+    }
+
+    /// Those of `self` that satisfy a test of whole groups.
+    #[inline(always)]
+    pub fn that(self, mut test: impl FnMut(usize) -> u32) -> Self {
+        let mut found = 0;
+        for (group, asked) in Groups(self.0) {
+            found |= u64::from(test(group) & asked) << (GROUP * group);
+        }
+        Self(found)
+    }
+}
+
+struct Groups(u64);
+
+impl Iterator for Groups {
+    type Item = (usize, u32);
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<(usize, u32)> {
+        if self.0 == 0 {
+            return None;
+        }
+        let group = self.0.trailing_zeros() as usize / GROUP % GROUPS;
+        let shift = GROUP * group;
+        let rays = (self.0 >> shift) as u32 & ((1 << GROUP) - 1);
+        self.0 &= !(((1 << GROUP) - 1) << shift);
+        Some((group, rays))
+    }
+}
+
+struct Bits(u64);
+
+impl Iterator for Bits {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.0 == 0 {
+            return None;
+        }
+        let bit = self.0.trailing_zeros() as usize % PACKET;
+        self.0 &= self.0 - 1;
+        Some(bit)
+    }
+}
+
+/// The rays of a packet as structure of arrays, with what box and triangle tests need of them.
+#[derive(Clone, Debug)]
+pub struct PacketLanes {
+    origin: [Lanes; 3],
+    direction: [Lanes; 3],
+    near_origin: [Lanes; 3],
+    far_origin: [Lanes; 3],
+    inv_direction: [Lanes; 3],
+    t_min: Lanes,
+    /// The end of each ray.
+    t_max: Lanes,
+    /// Where each ray enters the tree's box.
+    entry: Lanes,
+    /// Of the rays of one class: [`PreparedRay::shear`].
+    shear: [Lanes; 2],
+    /// [`PreparedRay::k`] of the class.
+    k: [usize; 3],
+    near_side: [usize; 3],
+    far_side: [usize; 3],
+}
+
+impl Default for PacketLanes {
+    fn default() -> Self {
+        Self {
+            origin: [Lanes::ZERO; 3],
+            direction: [Lanes::ZERO; 3],
+            near_origin: [Lanes::ZERO; 3],
+            far_origin: [Lanes::ZERO; 3],
+            inv_direction: [Lanes::ZERO; 3],
+            t_min: Lanes::ZERO,
+            t_max: Lanes::ZERO,
+            entry: Lanes::ZERO,
+            shear: [Lanes::ZERO; 2],
+            k: [0; 3],
+            near_side: [0; 3],
+            far_side: [0; 3],
+        }
+    }
+}
+
+/// What tells which rays of a packet may walk together: those that agree in all of it. A bit a ray.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Classes {
+    /// Rays that meet the root's box.
+    pub inside: Rays,
+    /// Rays with a finite inverse direction and a start that is not negative.
+    pub regular: Rays,
+    flipped: [Rays; 3],
+    /// Whether x, else y, is the largest component of the direction.
+    is_x: Rays,
+    is_y: Rays,
+}
+
+impl PacketLanes {
+    /// A ray of the packet.
+    #[inline]
+    pub fn ray(&self, ray: usize) -> Ray {
+        let vector = |v: &[Lanes; 3]| glam::Vec3::new(v[0].get(ray), v[1].get(ray), v[2].get(ray));
+        Ray {
+            origin: vector(&self.origin),
+            direction: vector(&self.direction),
+            t_min: self.t_min.get(ray),
+            t_max: self.t_max.get(ray),
+        }
+    }
+
+    /// What it needs to walk alone.
+    #[inline(always)]
+    pub(super) fn tree_ray(&self, ray: usize) -> TreeRay {
+        let all = |v: &[Lanes; 3]| [v[0].get(ray), v[1].get(ray), v[2].get(ray)];
+        let flipped = [0, 1, 2].map(|axis| usize::from(self.near_side[axis] != axis) << axis);
+        TreeRay::from_parts(
+            all(&self.near_origin),
+            all(&self.far_origin),
+            all(&self.inv_direction),
+            self.t_min.get(ray),
+            flipped[0] | flipped[1] | flipped[2],
+        )
+    }
+
+    #[inline]
+    pub fn prepared(&self, ray: usize) -> PreparedRay {
+        PreparedRay::new(self.ray(ray))
+    }
+
+    #[inline(always)]
+    pub fn origins(&self) -> &[Lanes; 3] {
+        &self.origin
+    }
+
+    #[inline(always)]
+    pub fn directions(&self) -> &[Lanes; 3] {
+        &self.direction
+    }
+
+    /// Where the rays of a group enter and leave a box of their own: the arithmetic of
+    /// [`Span`](crate::geometry::Span), before it looks at the interval that is asked for.
+    #[inline(always)]
+    pub fn span<S: Simd>(&self, simd: S, group: usize, bounds: &Aabb) -> [f32x8<S>; 2] {
+        let spread = |value: f32| f32x8::simd_from(simd, value);
+        let mut reach = spread(0.0);
+        for axis in 0..3 {
+            let origin = self.origin[axis].load(simd, group);
+            let (min, max) = (spread(bounds.min[axis]), spread(bounds.max[axis]));
+            reach = reach.max((min - origin).abs().max((max - origin).abs()));
+        }
+        let (mut enter, mut leave) = (spread(f32::NEG_INFINITY), spread(f32::INFINITY));
+        for axis in 0..3 {
+            let origin = self.origin[axis].load(simd, group);
+            let inv = self.inv_direction[axis].load(simd, group);
+            let margin = reach * spread(Slabs::MARGIN) + origin.abs() * spread(f32::EPSILON);
+            let outwards = margin.copysign(inv);
+            let sides = [bounds.min[axis], bounds.max[axis]];
+            let flipped = usize::from(self.near_side[axis] != axis);
+            enter = greater_or(simd, (spread(sides[flipped]) - (origin + outwards)) * inv, enter);
+            leave = less_or(simd, (spread(sides[1 - flipped]) - (origin - outwards)) * inv, leave);
+        }
+        [enter, leave]
+    }
+
+    /// Which axes of the world are the x, y and z of [`PacketLanes::permuted_origin`].
+    #[inline(always)]
+    pub fn axes(&self) -> [usize; 3] {
+        self.k
+    }
+
+    #[inline(always)]
+    pub fn permuted_origin<S: Simd>(&self, simd: S, group: usize) -> [f32x8<S>; 3] {
+        let [x, y, z] = self.k;
+        [
+            self.origin[x % 3].load(simd, group),
+            self.origin[y % 3].load(simd, group),
+            self.origin[z % 3].load(simd, group),
+        ]
+    }
+
+    /// [`PreparedRay::shear`].
+    #[inline(always)]
+    pub fn shear<S: Simd>(&self, simd: S, group: usize) -> [f32x8<S>; 3] {
+        let inv_z = &self.inv_direction[self.k[2] % 3];
+        [self.shear[0].load(simd, group), self.shear[1].load(simd, group), inv_z.load(simd, group)]
+    }
+
+    #[inline(always)]
+    pub fn t_min<S: Simd>(&self, simd: S, group: usize) -> f32x8<S> {
+        self.t_min.load(simd, group)
+    }
+
+    #[inline(always)]
+    pub fn t_max(&self) -> &Lanes {
+        &self.t_max
+    }
+
+    /// Takes up to [`PACKET`] rays that will walk a tree with these bounds. The arithmetic is that of
+    /// [`TreeRay`](super::boxes::TreeRay).
+    #[inline(always)]
+    pub(super) fn take<S: Simd>(&mut self, simd: S, rays: &[Ray], bounds: &Aabb) -> Classes {
+        for (group, rays) in rays.chunks(GROUP).enumerate().take(GROUPS) {
+            let mut padded = [Ray::zeroed(); GROUP];
+            let rays = match <&[Ray; GROUP]>::try_from(rays) {
+                Ok(rays) => rays,
+                Err(_) => {
+                    padded[..rays.len()].copy_from_slice(rays);
+                    &padded
+                }
+            };
+            let [x, y, z, dx, dy, dz, t_min, t_max] = transposed(simd, bytemuck::cast_ref(rays));
+            for (lanes, values) in self.origin.iter_mut().zip([x, y, z]) {
+                lanes.store(group, values);
+            }
+            for (lanes, values) in self.direction.iter_mut().zip([dx, dy, dz]) {
+                lanes.store(group, values);
+            }
+            self.t_min.store(group, t_min);
+            // As in [`Ray::last`].
+            self.t_max.store(group, less_or(simd, t_max, f32x8::simd_from(simd, f32::MAX)));
+        }
+        let spread = |value: f32| f32x8::simd_from(simd, value);
+        let (zero, one) = (spread(0.0), spread(1.0));
+        let mut classes = Classes::default();
+        for group in 0..rays.len().min(PACKET).div_ceil(GROUP) {
+            let note = |rays: &mut Rays, mask: mask32x8<S>| {
+                *rays = rays.or(Rays::in_group(group, mask.to_bitmask() as u32));
+            };
+            let origin = [0, 1, 2].map(
+                #[inline(always)]
+                |axis| self.origin[axis].load(simd, group),
+            );
+            let direction = [0, 1, 2].map(
+                #[inline(always)]
+                |axis| self.direction[axis].load(simd, group),
+            );
+            let mut reach = zero;
+            for axis in 0..3 {
+                let (min, max) = (spread(bounds.min[axis]), spread(bounds.max[axis]));
+                reach = reach.max((min - origin[axis]).abs().max((max - origin[axis]).abs()));
+            }
+            let t_min = self.t_min.load(simd, group);
+            let (mut near, mut far) = (t_min, self.t_max.load(simd, group));
+            let mut regular = t_min.simd_ge(zero);
+            for axis in 0..3 {
+                let (min, max) = (spread(bounds.min[axis]), spread(bounds.max[axis]));
+                let inv = one / direction[axis];
+                let margin = reach * spread(Slabs::MARGIN) + origin[axis].abs() * spread(f32::EPSILON);
+                let outwards = margin.copysign(inv);
+                let (near_origin, far_origin) = (origin[axis] + outwards, origin[axis] - outwards);
+                let flipped = inv.simd_lt(zero);
+                near = greater_or(simd, (flipped.select(max, min) - near_origin) * inv, near);
+                far = less_or(simd, (flipped.select(min, max) - far_origin) * inv, far);
+                regular = regular
+                    & inv.abs().simd_gt(zero)
+                    & inv.abs().simd_le(spread(f32::MAX))
+                    & near_origin.abs().simd_le(spread(f32::MAX));
+                note(&mut classes.flipped[axis], flipped);
+                self.near_origin[axis].store(group, near_origin);
+                self.far_origin[axis].store(group, far_origin);
+                self.inv_direction[axis].store(group, inv);
+            }
+            note(&mut classes.inside, near.simd_le(far));
+            self.entry.store(group, near);
+            note(&mut classes.regular, regular);
+            let [x, y, z] = [direction[0].abs(), direction[1].abs(), direction[2].abs()];
+            note(&mut classes.is_x, x.simd_ge(y) & x.simd_ge(z));
+            note(&mut classes.is_y, y.simd_ge(z));
+        }
+        classes.inside = classes.inside.and(Rays::first(rays.len()));
+        classes
+    }
+
+    /// Which of `rays` enter the tree's box before these ends.
+    #[inline(always)]
+    pub(super) fn reaching<S: Simd>(&self, simd: S, rays: Rays, t_max: &Lanes) -> Rays {
+        rays.that(
+            #[inline(always)]
+            |group| self.entry.load(simd, group).simd_le(t_max.load(simd, group)).to_bitmask() as u32,
+        )
+    }
+
+    /// Makes the rays that are like the first of `rays` ready to walk together; answers which.
+    #[inline(always)]
+    pub(super) fn prepare<S: Simd>(&mut self, simd: S, classes: &Classes, rays: Rays) -> Rays {
+        let Some(first) = rays.lowest() else { return rays };
+        let Classes { flipped, is_x, is_y, .. } = *classes;
+        let like_first =
+            |alike: Rays, of: Rays| if of.has(first) { alike.and(of) } else { alike.without(of) };
+        let mut alike = [flipped[0], flipped[1], flipped[2], is_x].into_iter().fold(rays, like_first);
+        if !is_x.has(first) {
+            alike = like_first(alike, is_y);
+        }
+        self.k = PreparedRay::new(self.ray(first)).k;
+        for axis in 0..3 {
+            let side = if flipped[axis].has(first) { 3 } else { 0 };
+            (self.near_side[axis], self.far_side[axis]) = (axis + side, axis + 3 - side);
+        }
+        let [x, y, z] = self.k;
+        for (group, _) in alike.groups() {
+            let inv_z = self.inv_direction[z].load(simd, group);
+            self.shear[0].store(group, self.direction[x].load(simd, group) * inv_z);
+            self.shear[1].store(group, self.direction[y].load(simd, group) * inv_z);
+        }
+        alike
+    }
+
+    /// Bounds of the rays, which are all of one class and regular.
+    #[inline(always)]
+    pub(super) fn interval<S: Simd>(&self, simd: S, rays: Rays) -> Interval {
+        let (mut near_origin, mut far_origin, mut inv_direction) = ([0.0; 3], [0.0; 3], [[0.0; 2]; 3]);
+        for axis in 0..3 {
+            let [near_least, near_most] = self.near_origin[axis].bounds(simd, rays);
+            let [far_least, far_most] = self.far_origin[axis].bounds(simd, rays);
+            let flipped = self.near_side[axis] != axis;
+            near_origin[axis] = if flipped { near_least } else { near_most };
+            far_origin[axis] = if flipped { far_most } else { far_least };
+            inv_direction[axis] = self.inv_direction[axis].bounds(simd, rays);
+        }
+        Interval {
+            near_origin,
+            far_origin,
+            inv_direction,
+            t_min: self.t_min.bounds(simd, rays)[0],
+            near_side: self.near_side,
+            far_side: self.far_side,
+        }
+    }
+
+    /// Which of `rays` enter a child's box before their end, and where.
+    #[inline(always)]
+    pub(super) fn enter<S: Simd, const N: usize>(
+        &self,
+        simd: S,
+        sides: &[[f32; N]; 6],
+        slot: usize,
+        rays: Rays,
+        t_max: &Lanes,
+        entries: &mut Lanes,
+    ) -> Rays {
+        let side = |row: usize| f32x8::simd_from(simd, sides[row % 6][slot % N]);
+        let near_side = [side(self.near_side[0]), side(self.near_side[1]), side(self.near_side[2])];
+        let far_side = [side(self.far_side[0]), side(self.far_side[1]), side(self.far_side[2])];
+        rays.that(
+            #[inline(always)]
+            |group| {
+                let mut near = self.t_min.load(simd, group);
+                let mut far = t_max.load(simd, group);
+                for axis in 0..3 {
+                    let inv = self.inv_direction[axis].load(simd, group);
+                    let origin = self.near_origin[axis].load(simd, group);
+                    near = greater_or(simd, (near_side[axis] - origin) * inv, near);
+                    let origin = self.far_origin[axis].load(simd, group);
+                    far = less_or(simd, (far_side[axis] - origin) * inv, far);
+                }
+                entries.store(group, near);
+                near.simd_le(far).to_bitmask() as u32
+            },
+        )
+    }
+}
+
+/// Column i of eight rows as vector i.
+#[inline(always)]
+fn transposed<S: Simd>(simd: S, rows: &[[f32; GROUP]; GROUP]) -> [f32x8<S>; GROUP] {
+    let mut v = [f32x8::simd_from(simd, 0.0); GROUP];
+    for (v, row) in v.iter_mut().zip(rows) {
+        *v = f32x8::load_array_ref(simd, row);
+    }
+    // Three perfect shuffles of all 64 numbers.
+    for _ in 0..3 {
+        let [a, b, c, d, e, f, g, h] = v;
+        v = [
+            a.zip_low(e),
+            a.zip_high(e),
+            b.zip_low(f),
+            b.zip_high(f),
+            c.zip_low(g),
+            c.zip_high(g),
+            d.zip_low(h),
+            d.zip_high(h),
+        ];
+    }
+    v
+}
+
+/// Bounds of the rays of a packet, for boxes that none of them can meet.
+#[derive(Clone, Copy, Debug)]
+pub struct Interval {
+    /// Of the origins those that make a ray enter earliest and leave latest.
+    near_origin: [f32; 3],
+    far_origin: [f32; 3],
+    inv_direction: [[f32; 2]; 3],
+    t_min: f32,
+    near_side: [usize; 3],
+    far_side: [usize; 3],
+}
+
+impl Interval {
+    /// The slots whose boxes a ray may meet before `t_max`. Rounding is monotonic, so no ray's own entry is less than what
+    /// is computed here, and no exit greater.
+    #[inline(always)]
+    pub fn enter<S: Simd, V, const N: usize>(
+        &self,
+        simd: S,
+        sides: &[[f32; N]; 6],
+        t_max: f32,
+    ) -> (u32, [f32; N])
+    where
+        V: SimdFloat<S, Element = f32, Array = [f32; N]>,
+    {
+        let spread = |value: f32| V::simd_from(simd, value);
+        let (mut near, mut far) = (spread(self.t_min), spread(t_max));
+        for axis in 0..3 {
+            let [low, high] = self.inv_direction[axis];
+            let (low, high) = (spread(low), spread(high));
+            let side =
+                V::load_array_ref(simd, &sides[self.near_side[axis] % 6]) - spread(self.near_origin[axis]);
+            near = near.max((side * low).min(side * high));
+            let side =
+                V::load_array_ref(simd, &sides[self.far_side[axis] % 6]) - spread(self.far_origin[axis]);
+            far = far.min((side * low).max(side * high));
+        }
+        (near.simd_le(far).to_bitmask() as u32, near.to_array())
+    }
+
+    /// The same for two boxes, which are no vector.
+    #[inline(always)]
+    pub fn enter_pair<S: Simd>(&self, simd: S, sides: &[[f32; 2]; 6], t_max: f32) -> (u32, [f32; 2]) {
+        let four = [0, 1, 2, 3, 4, 5].map(|row: usize| {
+            let [a, b] = sides[row];
+            [a, b, a, b]
+        });
+        let (slots, [a, b, _, _]) = self.enter::<S, f32x4<S>, 4>(simd, &four, t_max);
+        (slots & 0b11, [a, b])
+    }
+}
