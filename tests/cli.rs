@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
+use bvhscope::accel::{Builder, Width};
 use bvhscope::export::ray_file;
 use bvhscope::export::session_file;
 use bvhscope::geometry::Ray;
@@ -305,6 +306,36 @@ fn bench_traces_three_sets_on_one_thread_and_on_all() {
     assert_eq!(bench["sets"][0]["sum_t"], bench["sets"][1]["sum_t"]);
     assert!(bench["build_one_thread_ms"].as_f64() > Some(0.0));
     assert!(bench["build_ms"].as_f64() > Some(0.0) && bench["node_count"].as_u64() > Some(1000));
+}
+
+#[test]
+fn bench_measures_every_tree_and_packets_answer_as_rays_alone() {
+    let all = json(&mut small("bench", &["--threads", "1", "--all", "--packets", "--json"]));
+    let trees = all.as_array().expect("a list");
+    let names: Vec<_> = trees
+        .iter()
+        .map(|tree| (tree["builder"].as_str().expect("a name").to_owned(), tree["width"].as_u64()))
+        .collect();
+    let expected = Builder::ALL
+        .into_iter()
+        .flat_map(|builder| Width::ALL.map(|width| (builder.name().to_owned(), Some(width.get() as u64))));
+    assert_eq!(names, expected.collect::<Vec<_>>());
+    let alone = json(&mut small("bench", &["--threads", "1", "--json"]));
+    for tree in trees {
+        for (set, same) in
+            tree["sets"].as_array().expect("a list").iter().zip(alone["sets"].as_array().expect("a list"))
+        {
+            assert_eq!((&set["packets"], &same["packets"]), (&true.into(), &false.into()));
+            for key in ["set", "rays", "hits", "sum_t"] {
+                assert_eq!(set[key], same[key], "{key} of {tree}");
+            }
+        }
+    }
+    let table = stdout(&mut small("bench", &["--threads", "1", "--all"]));
+    assert!(table.contains("build_ms/1") && table.contains("primary/1"), "{table}");
+    assert_eq!(table.lines().filter(|line| line.contains("sweep")).count(), Width::ALL.len(), "{table}");
+    let csv = stdout(&mut small("bench", &["--threads", "1", "--all", "--csv"]));
+    assert_eq!(csv.lines().count(), 1 + 3 * trees.len(), "{csv}");
 }
 
 /// Rays into and past the scene, from all around it.

@@ -183,9 +183,11 @@ mod common {
         let size = [settings.width, settings.height];
         estimate(samples, |sample| {
             let pass = Pass::new(world, camera, size, settings, ShadowRule::Glass, sample);
-            picture_mean(settings, |x, y| {
-                Whitted::default().radiance(&pass, pass.camera_ray(x, y), &mut pass.sampler(x, y), &mut ())
-            })
+            let rows = 0..settings.height;
+            let pixels: Vec<_> = rows.flat_map(|y| (0..settings.width).map(move |x| [x, y])).collect();
+            let mut whitted = Whitted::new(world);
+            let found = whitted.radiance(&pass, &pixels, &mut (), &Task::new()).expect("nobody cancels");
+            found.iter().map(|color| f64::from(color.y)).sum::<f64>() / found.len() as f64
         })
     }
 
@@ -756,8 +758,10 @@ mod benchmark {
             let make = || make_rays(kind, &world, &world.scene.camera, &settings([60, 40], 6), &Task::new());
             let set = make().expect("nobody cancels");
             assert_eq!(set, make().expect("nobody cancels"));
-            let (one, two) = (trace_rays(&world, &set, 1), trace_rays(&world, &set, 2));
+            let (one, two) = (trace_rays(&world, &set, 1, false), trace_rays(&world, &set, 2, false));
             assert_eq!(one.answers, two.answers, "{}", kind.name());
+            let in_packets = trace_rays(&world, &set, 2, true);
+            assert_eq!(one.answers, in_packets.answers, "in packets, {}", kind.name());
             assert_eq!((one.hit_count, one.sum_t), (two.hit_count, two.sum_t));
             assert_eq!(one.ray_count, set.rays.len());
             assert!(one.hit_count > 0 && one.mrays_per_s().is_some_and(|r| r > 0.0));
@@ -773,7 +777,7 @@ mod benchmark {
     fn no_rays_have_no_speed() {
         let world = builtin("cornell");
         let set = bvhscope::render::bench::RaySet { rays: Vec::new(), query: Query::Intersect };
-        let result = trace_rays(&world, &set, 1);
+        let result = trace_rays(&world, &set, 1, false);
         assert_eq!((result.ray_count, result.hit_count, result.mrays_per_s()), (0, 0, None));
     }
 }

@@ -3,17 +3,18 @@
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, ValueParser};
-use clap::{Arg, ArgMatches, Command};
+use clap::{Arg, ArgAction, ArgMatches, Command};
 use serde::Serialize;
 
 use super::workshop::Workshop;
 use super::{CliError, args, output};
-use crate::accel::BuildPhase;
+use crate::accel::{BuildPhase, Builder, Width};
 use crate::export::table::{self, TableFormat};
 use crate::export::{atomic, ray_file};
 use crate::render::RenderSettings;
 use crate::render::bench::{Query, RaySet, RaySetKind, TraceResult, make_rays, trace_rays};
 use crate::scene::Camera;
+use crate::session::Session;
 use crate::world::World;
 
 /// The name of the set whose rays come from a file.
@@ -29,6 +30,12 @@ pub fn command() -> Command {
             "Traces three sets of rays on one thread and on all: primary (camera), diffuse (one cosine-weighted bounce \
              from each primary hit), shadow (from each hit to the light). Or the rays of a file.",
         )
+        .arg(Arg::new("all").long("all").action(ArgAction::SetTrue).help(
+            "Measure the trees of all builders at all widths; --builder and --width are not looked at",
+        ))
+        .arg(Arg::new("packets").long("packets").action(ArgAction::SetTrue).help(
+            "Trace the rays in packets of 64, as the views do with camera rays; each should be a square of 8 x 8 pixels",
+        ))
         .arg(file(
             "rays",
             "Take the rays from a file: little-endian u32 count, then a ray each of eight f32 (origin x y z, t_min, \
@@ -54,6 +61,7 @@ pub fn command() -> Command {
 struct Row {
     set: &'static str,
     query: Query,
+    packets: bool,
     threads: usize,
     result: TraceResult,
     /// Against the expected answers, where there are any.
@@ -76,26 +84,64 @@ pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
     }
 
     let workshop = Workshop::open(session)?;
-    let one_thread_ms = workshop.timed_build(1)?.report.build_ms;
-    let world = workshop.timed_build(workshop.threads())?;
-    let sets = match from_file {
-        Some(rays) => vec![(FILE_SET, RaySet { rays, query: query(matches) })],
-        None => camera_sets(&workshop, &world)?,
-    };
-    let rows = traced(&workshop, &world, &sets, expected.as_deref())?;
-    if let (Some(out), Some(row)) = (path("answers"), rows.last()) {
+    let every = matches.get_flag("all");
+    let mut from_file = from_file.map(|rays| vec![(FILE_SET, RaySet { rays, query: query(matches) })]);
+    let mut trees = Vec::new();
+    for session in if every { every_tree(&workshop.session) } else { vec![workshop.session.clone()] } {
+        let workshop = workshop.reopen(session)?;
+        let one_thread_ms = workshop.timed_build(1)?.report.build_ms;
+        let world = workshop.timed_build(workshop.threads())?;
+        // The same for every tree.
+        let sets = match &from_file {
+            Some(sets) => sets,
+            None => from_file.insert(camera_sets(&workshop, &world)?),
+        };
+        let rows = traced(&workshop, &world, sets, matches.get_flag("packets"), expected.as_deref())?;
+        trees.push(BenchedTree { workshop, world, one_thread_ms, rows });
+    }
+    let last = trees.last().and_then(|tree| tree.rows.last());
+    if let (Some(out), Some(row)) = (path("answers"), last) {
         ray_file::write_answers(out, &row.result.answers)?;
     }
-    output::print(&match output::format(matches) {
-        TableFormat::People => people(&world, one_thread_ms, &rows),
-        TableFormat::Json => json(&workshop, &world, one_thread_ms, &rows),
-        TableFormat::Csv => csv(&workshop, &world, &rows),
-        TableFormat::Markdown => {
+    output::print(&match (output::format(matches), &trees[..]) {
+        (TableFormat::People, [tree]) => tree.people(),
+        (TableFormat::People, trees) => {
+            let (heading, cells) = summary(trees);
+            format!(
+                "{}\n\n{}",
+                workshop_heading(&workshop, trees),
+                table::aligned(heading, cells.into_iter())
+            )
+        }
+        (TableFormat::Json, [tree]) => table::pretty(&tree.record()),
+        (TableFormat::Json, trees) => {
+            table::pretty(&trees.iter().map(BenchedTree::record).collect::<Vec<_>>())
+        }
+        (TableFormat::Csv, trees) => csv(trees),
+        (TableFormat::Markdown, [tree]) => {
             let heading = HEADING.map(str::to_owned);
             let is_text: Vec<_> = (0..heading.len()).map(|i| i < 2).collect();
-            table::markdown_text(&heading, &is_text, rows.iter().map(|row| row.cells(|v| format!("{v:.3}"))))
+            let cells = tree.rows.iter().map(|row| row.cells(|v| format!("{v:.3}")));
+            table::markdown_text(&heading, &is_text, cells)
+        }
+        (TableFormat::Markdown, trees) => {
+            let (heading, cells) = summary(trees);
+            let is_text: Vec<_> = (0..heading.len()).map(|i| i < 1).collect();
+            table::markdown_text(&heading, &is_text, cells.into_iter())
         }
     })
+}
+
+/// The session with each builder at each width.
+fn every_tree(session: &Session) -> Vec<Session> {
+    let trees = Builder::ALL.into_iter().flat_map(|builder| Width::ALL.map(|width| (builder, width)));
+    let with = |(builder, width)| {
+        let mut session = session.clone();
+        let build = session.build_mut();
+        (build.builder, build.width) = (builder, width);
+        session
+    };
+    trees.map(with).collect()
 }
 
 fn query(matches: &ArgMatches) -> Query {
@@ -119,6 +165,7 @@ fn traced(
     workshop: &Workshop,
     world: &World,
     sets: &[(&'static str, RaySet)],
+    packets: bool,
     expected: Option<&[f32]>,
 ) -> Result<Vec<Row>, CliError> {
     // On one thread and on all; the same where all are one.
@@ -130,9 +177,9 @@ fn traced(
         for (name, set) in sets {
             for &threads in &threads {
                 task.check()?;
-                let result = trace_rays(world, set, threads);
+                let result = trace_rays(world, set, threads, packets);
                 let mismatches = expected.map(|expected| ray_file::mismatches(&result.answers, expected));
-                rows.push(Row { set: name, query: set.query, threads, result, mismatches });
+                rows.push(Row { set: name, query: set.query, packets, threads, result, mismatches });
                 task.advance(1);
             }
         }
@@ -162,6 +209,7 @@ impl Row {
         SetRecord {
             set: self.set,
             query: self.query.name(),
+            packets: self.packets,
             threads: self.threads,
             rays: result.ray_count,
             hits: result.hit_count,
@@ -176,6 +224,8 @@ impl Row {
 struct SetRecord {
     set: &'static str,
     query: &'static str,
+    /// Whether the rays were traced in packets.
+    packets: bool,
     threads: usize,
     rays: usize,
     hits: usize,
@@ -226,64 +276,127 @@ impl<'a> TreeSettings<'a> {
     }
 }
 
-fn json(workshop: &Workshop, world: &World, one_thread_ms: f64, rows: &[Row]) -> String {
-    #[derive(Serialize)]
-    struct Whole<'a> {
-        #[serde(flatten)]
-        tree: TreeSettings<'a>,
-        /// Build time on one thread; `build_ms` is that on all.
-        build_one_thread_ms: f64,
-        threads: usize,
-        phases: &'a [BuildPhase],
-        settings: RenderSettings,
-        camera: Camera,
-        sets: Vec<SetRecord>,
+/// A tree and what was measured on it.
+struct BenchedTree {
+    workshop: Workshop,
+    world: World,
+    one_thread_ms: f64,
+    rows: Vec<Row>,
+}
+
+#[derive(Serialize)]
+struct TreeRecord<'a> {
+    #[serde(flatten)]
+    tree: TreeSettings<'a>,
+    /// Build time on one thread; `build_ms` is that on all.
+    build_one_thread_ms: f64,
+    threads: usize,
+    phases: &'a [BuildPhase],
+    settings: RenderSettings,
+    camera: Camera,
+    sets: Vec<SetRecord>,
+}
+
+impl BenchedTree {
+    fn record(&self) -> TreeRecord<'_> {
+        let Self { workshop, world, one_thread_ms, rows } = self;
+        TreeRecord {
+            tree: TreeSettings::of(workshop, world),
+            build_one_thread_ms: *one_thread_ms,
+            threads: workshop.threads(),
+            phases: &world.report.phases,
+            settings: workshop.session.render,
+            camera: workshop.camera,
+            sets: rows.iter().map(Row::record).collect(),
+        }
     }
-    table::pretty(&Whole {
-        tree: TreeSettings::of(workshop, world),
-        build_one_thread_ms: one_thread_ms,
-        threads: workshop.threads(),
-        phases: &world.report.phases,
-        settings: workshop.session.render,
-        camera: workshop.camera,
-        sets: rows.iter().map(Row::record).collect(),
-    })
+
+    fn people(&self) -> String {
+        let Self { world, one_thread_ms, rows, .. } = self;
+        let build = &world.report.config;
+        let columns = if rows.iter().any(|row| row.mismatches.is_some()) { 8 } else { 7 };
+        let cells = |row: &Row| {
+            let mut cells = row.cells(|value| format!("{value:.3}"));
+            cells.truncate(columns);
+            cells
+        };
+        format!(
+            "{}, {} shapes; {} builder, width {}, {} nodes, built in {:.2} ms on one thread, {:.2} ms on {}{}\n\n{}",
+            world.scene.name,
+            world.scene.shape_count(),
+            build.builder.name(),
+            build.width.name(),
+            world.figures.node_count,
+            one_thread_ms,
+            world.report.build_ms,
+            world.report.threads,
+            in_packets(rows),
+            table::aligned(
+                HEADING[..columns].iter().map(|&h| h.to_owned()).collect(),
+                rows.iter().map(cells)
+            )
+        )
+    }
+}
+
+fn in_packets(rows: &[Row]) -> &'static str {
+    if rows.iter().any(|row| row.packets) { "; rays in packets" } else { "" }
+}
+
+/// A line a tree: build times, and millions of rays a second of each set, on one thread and on all.
+fn summary(trees: &[BenchedTree]) -> (Vec<String>, Vec<Vec<String>>) {
+    let texts = |texts: &[&str]| -> Vec<String> { texts.iter().map(|&text| text.to_owned()).collect() };
+    let mut heading = texts(&["builder", "width", "nodes", "build_ms/1"]);
+    if let Some(tree) = trees.first() {
+        heading.push(format!("build_ms/{}", tree.workshop.threads()));
+        heading.extend(tree.rows.iter().map(|row| format!("{}/{}", row.set, row.threads)));
+        if tree.rows.iter().any(|row| row.mismatches.is_some()) {
+            heading.push("mismatches".to_owned());
+        }
+    }
+    let cells = |tree: &BenchedTree| {
+        let BenchedTree { world, one_thread_ms, rows, .. } = tree;
+        let build = &world.report.config;
+        let mut cells = texts(&[build.builder.name(), build.width.name()]);
+        cells.push(world.figures.node_count.to_string());
+        cells.extend([*one_thread_ms, world.report.build_ms].map(|ms| format!("{ms:.2}")));
+        let speeds = rows.iter().map(|row| row.result.mrays_per_s());
+        cells.extend(speeds.map(|speed| speed.map_or_else(String::new, |speed| format!("{speed:.3}"))));
+        let mismatches: Option<usize> = rows.iter().filter_map(|row| row.mismatches).max();
+        cells.extend(mismatches.map(|n| n.to_string()));
+        cells
+    };
+    (heading, trees.iter().map(cells).collect())
+}
+
+/// What a summary is of.
+fn workshop_heading(workshop: &Workshop, trees: &[BenchedTree]) -> String {
+    let build = workshop.session.build();
+    format!(
+        "{}, {} shapes; at most {} a leaf, {} bins{}; millions of rays a second by set and number of threads",
+        workshop.scene.name,
+        workshop.scene.shape_count(),
+        build.leaf,
+        build.bins,
+        trees.first().map_or("", |tree| in_packets(&tree.rows)),
+    )
 }
 
 /// A line a set and number of threads, with the tree that answered.
-fn csv(workshop: &Workshop, world: &World, rows: &[Row]) -> String {
-    let tree = TreeSettings::of(workshop, world);
-    let heading =
-        HEADING.into_iter().chain(["scene", "shape_count", "builder", "width", "bins", "leaf", "build_ms"]);
-    let lines = rows.iter().map(|row| {
-        let mut cells = row.cells(|v| v.to_string());
-        cells.extend([tree.scene.to_owned(), tree.shape_count.to_string(), tree.builder.to_owned()]);
-        cells.extend([tree.width, tree.bins, tree.leaf].map(|n| n.to_string()));
-        cells.push(tree.build_ms.to_string());
-        cells
+fn csv(trees: &[BenchedTree]) -> String {
+    let of_tree = ["packets", "scene", "shape_count", "builder", "width", "bins", "leaf", "build_ms"];
+    let heading = HEADING.into_iter().chain(of_tree).map(str::to_owned).collect();
+    let lines = trees.iter().flat_map(|BenchedTree { workshop, world, rows, .. }| {
+        let tree = TreeSettings::of(workshop, world);
+        let line = |row: &Row| {
+            let mut cells = row.cells(|v| v.to_string());
+            cells.push(row.packets.to_string());
+            cells.extend([tree.scene.to_owned(), tree.shape_count.to_string(), tree.builder.to_owned()]);
+            cells.extend([tree.width, tree.bins, tree.leaf].map(|n| n.to_string()));
+            cells.push(tree.build_ms.to_string());
+            cells
+        };
+        rows.iter().map(line).collect::<Vec<_>>()
     });
-    table::csv_text(heading.map(str::to_owned).collect(), lines)
-}
-
-fn people(world: &World, one_thread_ms: f64, rows: &[Row]) -> String {
-    let build = &world.report.config;
-    let columns = if rows.iter().any(|row| row.mismatches.is_some()) { 8 } else { 7 };
-    let cells = |row: &Row| {
-        let mut cells = row.cells(|value| format!("{value:.3}"));
-        cells.truncate(columns);
-        cells
-    };
-    format!(
-        "{}, {} shapes; {} builder, width {}, {} nodes, built in {:.2} ms on one thread, {:.2} ms \
-         on {}\n\n{}",
-        world.scene.name,
-        world.scene.shape_count(),
-        build.builder.name(),
-        build.width.name(),
-        world.figures.node_count,
-        one_thread_ms,
-        world.report.build_ms,
-        world.report.threads,
-        table::aligned(HEADING[..columns].iter().map(|&h| h.to_owned()).collect(), rows.iter().map(cells))
-    )
+    table::csv_text(heading, lines)
 }

@@ -122,6 +122,7 @@ impl Cuboid {
         hit(enter, enter_face).or_else(|| hit(leave, leave_face))
     }
 
+    #[inline]
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
         let (world, half) = self.placed();
         let face = Face::from_number(hit.u);
@@ -135,6 +136,7 @@ impl Cuboid {
         SurfacePoint { position, error, normal, uv }
     }
 
+    #[inline]
     fn face_point(&self, face: Face, uv: (f64, f64)) -> SurfaceSample {
         let (world, half) = self.placed();
         let magnitude = world.translation.abs().max_element() + half.length();

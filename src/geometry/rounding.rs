@@ -38,8 +38,12 @@ pub fn outward_box(min: DVec3, max: DVec3) -> Aabb {
 #[inline]
 pub fn rounded_point(point: DVec3, magnitude: f64) -> (Vec3, Vec3) {
     let position = point.as_vec3();
-    // Half a unit in the last place is at most 2^-24 of the value; below the normal numbers it is 2^-150.
-    let bound = |x: f64| round_up(x.abs() * (1.0 / (1 << 24) as f64) + magnitude * DOUBLE_LOSS + 1e-45);
+    // Half a unit in the last place is at most 2^-24 of the value. Rounded up without a branch, which nobody could guess: by
+    // more than rounding may have taken away, also below the normal numbers.
+    let bound = |x: f64| {
+        let exact = x.abs() * (1.0 / (1 << 24) as f64) + magnitude * DOUBLE_LOSS;
+        exact as f32 * (1.0 + f32::EPSILON) + f32::MIN_POSITIVE
+    };
     (position, Vec3::new(bound(point.x), bound(point.y), bound(point.z)))
 }
 

@@ -77,16 +77,9 @@ pub fn leave_surface(position: Vec3, error: Vec3, normal: Vec3, direction: Vec3)
     let side = if direction.dot(normal) < 0.0 { -normal } else { normal };
     let offset = side * error.dot(normal.abs());
     let moved = position + offset;
-    let away = |x: f32, offset: f32| {
-        if offset > 0.0 {
-            x.next_up()
-        } else if offset < 0.0 {
-            x.next_down()
-        } else {
-            x
-        }
-    };
-    Vec3::new(away(moved.x, offset.x), away(moved.y, offset.y), away(moved.z, offset.z))
+    // On by one or two units in the last place, against the rounding of the sum.
+    let more = (moved.abs() * f32::EPSILON + f32::MIN_POSITIVE).copysign(offset);
+    moved + Vec3::select(offset.cmpeq(Vec3::ZERO), Vec3::ZERO, more)
 }
 
 impl SurfacePoint {
@@ -100,6 +93,7 @@ impl SurfacePoint {
 impl SurfaceSample {
     /// The ray from `origin` to this point, direction not normalised, whose end lies before this point's own surface
     /// by what rounding may have moved either of them: whatever it hits stands between.
+    #[inline]
     pub fn ray_from(&self, origin: Vec3) -> Ray {
         let direction = self.position - origin;
         let spread = (self.error + direction.abs() * f32::EPSILON).dot(self.normal.abs());
@@ -150,6 +144,7 @@ impl Shape {
     }
 
     /// The surface where `hit`, an answer of [`Shape::intersect`] to `ray`, lies.
+    #[inline]
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
         each_shape!(self, s => s.surface(ray, hit))
     }

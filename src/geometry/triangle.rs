@@ -143,17 +143,20 @@ impl Triangle {
         (b - a).cross(c - a)
     }
 
+    #[inline]
     pub fn surface(&self, _ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
         let (position, error) = self.point(hit.u, hit.v);
         SurfacePoint { position, error, normal: self.normal(), uv: Vec2::new(hit.u, hit.v) }
     }
 
     /// The unit normal on the outside; zero for a triangle without area.
+    #[inline]
     pub fn normal(&self) -> Vec3 {
         self.area_normal().normalize_or_zero().as_vec3()
     }
 
     /// The point with barycentric coordinates `u` and `v` of the vertices 1 and 2, and its error bound.
+    #[inline]
     fn point(&self, u: f32, v: f32) -> (Vec3, Vec3) {
         let [a, b, c] = self.v.map(|v| v.as_dvec3());
         let point = a + (b - a) * f64::from(u) + (c - a) * f64::from(v);

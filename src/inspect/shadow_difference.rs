@@ -56,7 +56,9 @@ pub fn shadow_nodes_mean(
             let mut sums = Sums::default();
             for x in (0..settings.width).step_by(stride) {
                 task.check()?;
-                if let FirstHit::Asked { shadow_ray, .. } = first_hit(&pass, x, y) {
+                let ray = pass.camera_ray(x, y);
+                let hit = world.intersect(&ray, &mut ());
+                if let FirstHit::Asked { shadow_ray, .. } = first_hit(&pass, [x, y], &ray, hit) {
                     sums.add(&ShadowAnswers::of(world, &shadow_ray, rule));
                 }
             }

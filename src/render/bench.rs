@@ -10,10 +10,11 @@ use super::bsdf::{ShadingFrame, cosine_weighted};
 use super::film::RenderSettings;
 use super::pass::Pass;
 use super::sampler::Sampler;
-use crate::geometry::Ray;
+use super::tiles::{BLOCK, in_blocks};
+use crate::geometry::{Hit, Ray};
 use crate::scene::{Camera, ShadowRule, Surface};
 use crate::task::{Cancelled, Task};
-use crate::world::World;
+use crate::world::{Packets, World};
 
 /// The seed of the diffuse and shadow sets; the session's own does not change them.
 const SEED: u64 = 1;
@@ -105,8 +106,8 @@ impl TraceResult {
     }
 }
 
-/// The rays of a picture of the size in `settings`, in order of the pixels. The same for any settings of the tree and at any
-/// number of threads.
+/// The rays of a picture of the size in `settings`, square by square of 8 x 8 pixels. The same for any settings of the tree
+/// and at any number of threads.
 ///
 /// # Errors
 /// [`Cancelled`] when the task was.
@@ -119,30 +120,42 @@ pub fn make_rays(
 ) -> Result<RaySet, Cancelled> {
     let size = [settings.width, settings.height];
     let pass = Pass::new(world, camera, size, settings, ShadowRule::default(), 0);
-    let rows: Vec<Vec<Ray>> = (0..settings.height)
+    let [width, height] = size.map(|s| s as usize);
+    let bands: Vec<Vec<Ray>> = (0..height.div_ceil(BLOCK))
         .into_par_iter()
-        .map(|y| {
-            let mut row = Vec::with_capacity(settings.width as usize);
-            for x in 0..settings.width {
+        .map(|band| {
+            let (top, bottom) = (band * BLOCK, height.min((band + 1) * BLOCK));
+            let mut rays = Vec::with_capacity(width * (bottom - top));
+            for [x, y] in in_blocks([0, top], [width, bottom]) {
                 task.check()?;
-                row.extend(ray_of(kind, &pass, x, y));
+                rays.extend(ray_of(kind, &pass, x, y));
             }
-            Ok(row)
+            Ok(rays)
         })
         .collect::<Result<_, _>>()?;
-    Ok(RaySet { rays: rows.concat(), query: kind.query() })
+    Ok(RaySet { rays: bands.concat(), query: kind.query() })
 }
 
-/// Traces a set on `threads` threads (0 for all).
-pub fn trace_rays(world: &World, set: &RaySet, threads: usize) -> TraceResult {
+/// Traces a set on `threads` threads (0 for all), ray by ray or in packets of those that follow each other.
+pub fn trace_rays(world: &World, set: &RaySet, threads: usize, in_packets: bool) -> TraceResult {
     let mut answers = vec![0.0f32; set.rays.len()];
-    let mut trace = || match set.query {
-        Query::Intersect => answer(&set.rays, &mut answers, |ray| {
-            world.intersect(ray, &mut ()).map_or(f32::INFINITY, |hit| hit.t)
-        }),
-        Query::Occluded => {
-            answer(&set.rays, &mut answers, |ray| f32::from(u8::from(world.occluded(ray, &mut ()).is_some())))
-        }
+    let distance = |hit: &Option<Hit>| hit.map_or(f32::INFINITY, |hit| hit.t);
+    let stopped = |stopped: bool| f32::from(u8::from(stopped));
+    let mut trace = || {
+        let pieces = set.rays.par_chunks(CHUNK).zip(answers.par_chunks_mut(CHUNK));
+        pieces.for_each_init(
+            || Packets::new(world),
+            |packets, (rays, answers)| match (set.query, in_packets) {
+                (Query::Intersect, false) => {
+                    fill(answers, rays, |ray| distance(&world.intersect(ray, &mut ())));
+                }
+                (Query::Intersect, true) => fill(answers, packets.intersect(rays), distance),
+                (Query::Occluded, false) => {
+                    fill(answers, rays, |ray| stopped(world.occluded(ray, &mut ()).is_some()));
+                }
+                (Query::Occluded, true) => fill(answers, packets.occluded(rays), |found| stopped(*found)),
+            },
+        );
     };
     let mut measure = || {
         let mut seconds = Vec::with_capacity(REPEATS);
@@ -172,13 +185,11 @@ pub fn trace_rays(world: &World, set: &RaySet, threads: usize) -> TraceResult {
     }
 }
 
-/// One pass over all rays.
-fn answer(rays: &[Ray], answers: &mut [f32], ask: impl Fn(&Ray) -> f32 + Sync) {
-    rays.par_chunks(CHUNK).zip(answers.par_chunks_mut(CHUNK)).for_each(|(rays, answers)| {
-        for (ray, answer) in rays.iter().zip(answers) {
-            *answer = ask(ray);
-        }
-    });
+/// An answer for each of `asked`.
+fn fill<T>(answers: &mut [f32], asked: &[T], answer: impl Fn(&T) -> f32) {
+    for (to, asked) in answers.iter_mut().zip(asked) {
+        *to = answer(asked);
+    }
 }
 
 /// The ray of a pixel, if it has one in that set.

@@ -1,27 +1,21 @@
 //! Adds samples to a film: picks the integrator for the view and runs it over tiles.
 
-use std::ops::AddAssign;
-
 use glam::Vec3;
-use rayon::prelude::*;
 
 use super::film::{Film, FilmContent, FilmSubject, RenderSettings};
-use super::observer::{CountRays, RayKind, RayObserver};
+use super::observer::CountPixels;
 use super::pass::Pass;
 use super::path::{self, Estimator};
 use super::sampler::scramble;
 use super::shadow::{self, ShadowQuery};
+use super::tiles::{Tiled, add, camera_tiled, counted_tiled, tiled, tiles};
 use super::tonemap::srgb_decode;
-use super::views::{Counter, View};
+use super::views::{CountKind, Counter, View};
 use super::whitted::Whitted;
 use crate::accel::RayCounters;
-use crate::geometry::{Hit, Ray};
 use crate::scene::{Camera, MaterialKind, Surface};
 use crate::task::{Cancelled, Task};
 use crate::world::World;
-
-/// Pixels along the side of a tile, the piece of work of one thread.
-const TILE: usize = 16;
 
 /// Adds one sample to every pixel: sample number `film.samples`. The result depends on world, camera, settings and that
 /// number only, not on the number of threads. Runs in the current rayon pool.
@@ -101,19 +95,15 @@ fn colors(
     task: &Task,
     finished: &(impl Fn(u64) + Sync),
 ) -> Result<Tiled<Vec3>, Cancelled> {
-    let shadow =
-        |query| tiled(size, task, finished, || (), move |(), x, y| shadow::shaded(pass, query, x, y));
+    let shadow = |query| {
+        camera_tiled(pass, size, task, finished, move |at, ray, hit| {
+            shadow::shaded(pass, query, &shadow::first_hit(pass, at, ray, hit))
+        })
+    };
     let surface = |color: fn(&Pass, &Surface) -> Vec3| {
-        tiled(
-            size,
-            task,
-            finished,
-            || (),
-            move |(), x, y| {
-                camera_hit(pass, x, y)
-                    .map_or(Vec3::ZERO, |(ray, hit)| color(pass, &pass.world.scene.surface(&ray, &hit)))
-            },
-        )
+        camera_tiled(pass, size, task, finished, move |_, ray, hit| {
+            hit.map_or(Vec3::ZERO, |hit| color(pass, &pass.world.scene.surface(ray, &hit)))
+        })
     };
     match view {
         View::Path => tiled(
@@ -153,8 +143,17 @@ fn numbers(
     finished: &(impl Fn(u64) + Sync),
 ) -> Result<Tiled<f32>, Cancelled> {
     let counted = |number: fn(&Pass, &RayCounters) -> f64| {
-        tiled(size, task, finished, Whitted::default, move |whitted, x, y| {
-            number(pass, &count_pixel(pass, whitted, CountRays::new(subject.count), x, y).counters) as f32
+        if subject.count == CountKind::Camera {
+            return counted_tiled(pass, size, task, finished, |counters| number(pass, counters) as f32);
+        }
+        let state = || (Whitted::new(pass.world), CountPixels::new(subject.count));
+        tiles(size, task, finished, state, |(whitted, rays), pixels, values| {
+            rays.restart(pixels.len());
+            whitted.radiance(pass, pixels, rays, task)?;
+            for (value, counters) in values.iter_mut().zip(rays.counters()) {
+                *value = number(pass, counters) as f32;
+            }
+            Ok(())
         })
     };
     match subject.view.counter() {
@@ -166,23 +165,16 @@ fn numbers(
             let config = &pass.world.report.config;
             c.ray_cost(config.traversal_cost, config.intersection_cost)
         }),
-        Some(Counter::ShadowSaving) => tiled(
-            size,
-            task,
-            finished,
-            || (),
-            |(), x, y| shadow::answers(pass, x, y).map_or(f32::NAN, |answers| answers.nodes_saved() as f32),
-        ),
+        Some(Counter::ShadowSaving) => camera_tiled(pass, size, task, finished, |at, ray, hit| {
+            let answers = shadow::answers(pass, &shadow::first_hit(pass, at, ray, hit));
+            answers.map_or(f32::NAN, |answers| answers.nodes_saved() as f32)
+        }),
         None if subject.view == View::ShadowDifference => {
-            tiled(size, task, finished, || (), |(), x, y| f32::from(shadow::class(pass, x, y) as u8))
+            camera_tiled(pass, size, task, finished, |at, ray, hit| {
+                f32::from(shadow::class(pass, &shadow::first_hit(pass, at, ray, hit)) as u8)
+            })
         }
-        None => tiled(
-            size,
-            task,
-            finished,
-            || (),
-            |(), x, y| camera_hit(pass, x, y).map_or(f32::NAN, |(_, hit)| hit.t),
-        ),
+        None => camera_tiled(pass, size, task, finished, |_, _, hit| hit.map_or(f32::NAN, |hit| hit.t)),
     }
 }
 
@@ -193,34 +185,14 @@ pub(super) fn whitted_frame(
     task: &Task,
     finished: &(impl Fn(u64) + Sync),
 ) -> Result<Tiled<Vec3>, Cancelled> {
-    tiled(size, task, finished, Whitted::default, |whitted, x, y| {
-        let ray = pass.camera_ray(x, y);
-        only_finite(whitted.radiance(pass, ray, &mut pass.sampler(x, y), &mut ()))
+    let state = || Whitted::new(pass.world);
+    tiles(size, task, finished, state, |whitted, pixels, values| {
+        let found = whitted.radiance(pass, pixels, &mut (), task)?;
+        for (value, &color) in values.iter_mut().zip(found) {
+            *value = only_finite(color);
+        }
+        Ok(())
     })
-}
-
-/// Counts the rays of one sample of one pixel. Traces no more than it must.
-#[inline]
-pub(super) fn count_pixel<'t>(
-    pass: &Pass,
-    whitted: &mut Whitted,
-    mut rays: CountRays<'t>,
-    x: u32,
-    y: u32,
-) -> CountRays<'t> {
-    let ray = pass.camera_ray(x, y);
-    if rays.counts_camera_rays_alone() {
-        pass.world.intersect(&ray, rays.begin(RayKind::Camera, &ray));
-        rays.end();
-    } else {
-        whitted.radiance(pass, ray, &mut pass.sampler(x, y), &mut rays);
-    }
-    rays
-}
-
-fn camera_hit(pass: &Pass, x: u32, y: u32) -> Option<(Ray, Hit)> {
-    let ray = pass.camera_ray(x, y);
-    pass.world.intersect(&ray, &mut ()).map(|hit| (ray, hit))
 }
 
 /// A surface's colour without light; a light's is that of its radiance, at full brightness.
@@ -255,108 +227,9 @@ fn only_finite(color: Vec3) -> Vec3 {
     if color.is_finite() { color } else { Vec3::ZERO }
 }
 
-/// Values of all pixels, tile by tile; tiles at the right and lower edge are padded.
-pub(super) struct Tiled<T> {
-    values: Vec<T>,
-    columns: usize,
-}
-
-/// Evaluates every pixel, a tile a piece of work, each with a `state` of its own. `finished` is told the pixels of every
-/// finished tile.
-fn tiled<T, S>(
-    size: [u32; 2],
-    task: &Task,
-    finished: &(impl Fn(u64) + Sync),
-    state: impl Fn() -> S + Sync,
-    pixel: impl Fn(&mut S, u32, u32) -> T + Sync,
-) -> Result<Tiled<T>, Cancelled>
-where
-    T: Copy + Default + Send + Sync,
-{
-    let [width, height] = size.map(|s| s as usize);
-    let columns = width.div_ceil(TILE);
-    let mut values = vec![T::default(); columns * height.div_ceil(TILE) * TILE * TILE];
-    values.par_chunks_mut(TILE * TILE).enumerate().try_for_each(|(tile, values)| {
-        let (left, top) = (tile % columns * TILE, tile / columns * TILE);
-        let (right, bottom) = ((left + TILE).min(width), (top + TILE).min(height));
-        let mut state = state();
-        for y in top..bottom {
-            for x in left..right {
-                task.check()?;
-                values[(y - top) * TILE + x - left] = pixel(&mut state, x as u32, y as u32);
-            }
-        }
-        finished(((right - left) * (bottom - top)) as u64);
-        Ok(())
-    })?;
-    Ok(Tiled { values, columns })
-}
-
-impl<T: Copy> Tiled<T> {
-    fn get(&self, x: usize, y: usize) -> T {
-        let tile = y / TILE * self.columns + x / TILE;
-        self.values[tile * TILE * TILE + y % TILE * TILE + x % TILE]
-    }
-}
-
-/// Adds a sample of every pixel to the sums.
-fn add<T: Copy + AddAssign + Send + Sync>(sums: &mut [T], sample: &Tiled<T>, size: [u32; 2]) {
-    let width = (size[0] as usize).max(1);
-    sums.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-        for (x, sum) in row.iter_mut().enumerate() {
-            *sum += sample.get(x, y);
-        }
-    });
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn coordinates(size: [u32; 2]) -> Vec<f32> {
-        let tiles = tiled(size, &Task::new(), &|_| (), || (), |(), x, y| (x + 1000 * y) as f32)
-            .expect("nobody cancels");
-        let mut sums = vec![0.0; size[0] as usize * size[1] as usize];
-        add(&mut sums, &tiles, size);
-        sums
-    }
-
-    #[test]
-    fn tiles_put_every_pixel_in_its_place() {
-        for size in [[1, 1], [16, 16], [17, 33], [50, 3], [0, 0], [5, 0]] {
-            let expected: Vec<f32> =
-                (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x + 1000 * y) as f32)).collect();
-            assert_eq!(coordinates(size), expected, "{size:?}");
-        }
-    }
-
-    #[test]
-    fn every_pixel_is_reported_once() {
-        let pixels = std::sync::atomic::AtomicU64::new(0);
-        let count = |n| {
-            pixels.fetch_add(n, std::sync::atomic::Ordering::Relaxed);
-        };
-        tiled([37, 21], &Task::new(), &count, || (), |(), _, _| 0.0).map(|_| ()).expect("nobody cancels");
-        assert_eq!(pixels.into_inner(), 37 * 21);
-    }
-
-    #[test]
-    fn a_cancelled_task_stops_the_tiles() {
-        let task = Task::new();
-        let stopped = tiled(
-            [64, 64],
-            &task,
-            &|_| (),
-            || (),
-            |(), x, y| {
-                if (x, y) == (20, 20) {
-                    task.cancel();
-                }
-                0.0
-            },
-        );
-        assert!(stopped.is_err());
-    }
 
     #[test]
     fn neighbouring_shapes_have_different_colours() {

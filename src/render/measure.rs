@@ -1,25 +1,30 @@
 //! Figures from tracing rays with counters, and from timing without.
 
 use std::hint::black_box;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::film::RenderSettings;
-use super::integrate::{count_pixel, whitted_frame};
-use super::observer::{CountRays, RayKind, RayObserver};
+use super::integrate::whitted_frame;
+use super::observer::{CountRays, RayKind, RayObserver, TracedRays};
 use super::pass::Pass;
+use super::tiles::tiles;
 use super::views::CountKind;
 use super::whitted::Whitted;
 use crate::accel::RayCounters;
 use crate::geometry::Ray;
 use crate::scene::{Camera, ShadowRule};
 use crate::task::{Cancelled, Task};
-use crate::world::World;
+use crate::world::{Packets, World};
 
 /// Times that a timed measurement is taken; its median counts.
 const REPEATS: usize = 5;
+
+/// Rows, and columns, of pixels whose rays are counted together.
+const ROWS_TOGETHER: usize = 8;
 
 /// Pixels whose rays are held in memory at once while they are timed.
 const PIXELS_HELD: usize = 1 << 18;
@@ -67,19 +72,24 @@ pub fn count_rays(
 ) -> Result<RayFigures, Cancelled> {
     let pass = frame_pass(world, camera, settings);
     let columns = picked(settings.width, stride);
-    let sums = picked(settings.height, stride)
-        .into_par_iter()
-        .map(|y| {
-            let mut whitted = Whitted::default();
-            let mut rays = CountRays::at_root(count, &world.tree);
-            for &x in &columns {
-                task.check()?;
-                rays = count_pixel(&pass, &mut whitted, rays, x, y);
-            }
-            Ok(rays)
-        })
+    let rows = picked(settings.height, stride);
+    let sums = rows
+        .par_chunks(ROWS_TOGETHER)
+        .map_init(
+            || Whitted::new(world),
+            |whitted, rows| {
+                let mut rays = CountRays::new(count, &world.tree);
+                // Pixels that lie side by side in both directions make better packets.
+                for columns in columns.chunks(ROWS_TOGETHER) {
+                    let pixels: Vec<_> =
+                        rows.iter().flat_map(|&y| columns.iter().map(move |&x| [x, y])).collect();
+                    whitted.radiance(&pass, &pixels, &mut rays, task)?;
+                }
+                Ok(rays)
+            },
+        )
         // Sums of integers: the same in any order.
-        .try_reduce(|| CountRays::at_root(count, &world.tree), |a, b| Ok(a.merged(&b)))?;
+        .try_reduce(|| CountRays::new(count, &world.tree), |a, b| Ok(a.merged(&b)))?;
     let config = &world.report.config;
     Ok(RayFigures::of(&sums, config.traversal_cost, config.intersection_cost))
 }
@@ -146,29 +156,24 @@ fn picked(size: u32, stride: u32) -> Vec<u32> {
     (stride / 2..size).step_by(stride as usize).collect()
 }
 
-/// A ray of the frame, and whether any hit answers it.
-#[derive(Clone, Copy, Debug)]
-struct RecordedRay {
-    ray: Ray,
+/// Rays of the frame that are traced together.
+#[derive(Clone, Debug)]
+struct RecordedRays {
+    rays: Vec<Ray>,
+    /// Whether any hit answers them.
     shadow: bool,
 }
 
 /// Keeps the rays in the order in which they are traced.
 #[derive(Clone, Debug, Default)]
-struct RecordRays {
-    rays: Vec<RecordedRay>,
-    probe: (),
-}
+struct RecordRays(Vec<RecordedRays>);
 
 impl RayObserver for RecordRays {
-    type Probe = ();
+    const COUNTS: bool = false;
 
-    fn begin(&mut self, kind: RayKind, ray: &Ray) -> &mut () {
-        self.rays.push(RecordedRay { ray: *ray, shadow: kind == RayKind::Shadow });
-        &mut self.probe
+    fn traced(&mut self, traced: &TracedRays) {
+        self.0.push(RecordedRays { rays: traced.rays.to_vec(), shadow: traced.kind == RayKind::Shadow });
     }
-
-    fn end(&mut self) {}
 }
 
 /// Times of tracing all rays of the frame. A part of the picture at a time, so that the rays of a large one fit in memory.
@@ -186,38 +191,47 @@ fn traversal_ms(pass: &Pass, size: [u32; 2], task: &Task) -> Result<[f64; REPEAT
     Ok(sums)
 }
 
-/// The rays of some rows, a row an entry.
+/// The rays of some rows, an entry a tile.
 fn record(
     pass: &Pass,
     width: u32,
     rows: std::ops::Range<u32>,
     task: &Task,
-) -> Result<Vec<Vec<RecordedRay>>, Cancelled> {
-    rows.into_par_iter()
-        .map(|y| {
-            let mut whitted = Whitted::default();
-            let mut recorder = RecordRays::default();
-            for x in 0..width {
-                task.check()?;
-                let ray = pass.camera_ray(x, y);
-                whitted.radiance(pass, ray, &mut pass.sampler(x, y), &mut recorder);
-            }
-            Ok(recorder.rays)
-        })
-        .collect()
+) -> Result<Vec<Vec<RecordedRays>>, Cancelled> {
+    let kept = Mutex::new(Vec::new());
+    let size = [width, rows.len() as u32];
+    let state = || Whitted::new(pass.world);
+    tiles(size, task, &|_| (), state, |whitted, pixels, _: &mut [()]| {
+        let mut recorder = RecordRays::default();
+        let pixels: Vec<_> = pixels.iter().map(|&[x, y]| [x, rows.start + y]).collect();
+        whitted.radiance(pass, &pixels, &mut recorder, task)?;
+        kept.lock().unwrap_or_else(PoisonError::into_inner).push((pixels[0], recorder.0));
+        Ok(())
+    })?;
+    let mut kept = kept.into_inner().unwrap_or_else(PoisonError::into_inner);
+    kept.sort_unstable_by_key(|&([x, y], _)| (y, x));
+    Ok(kept.into_iter().map(|(_, rays)| rays).collect())
 }
 
 /// Traces recorded rays; the number of those that hit.
-fn trace(pass: &Pass, rows: &[Vec<RecordedRay>], task: &Task) -> Result<u64, Cancelled> {
-    let hits = |rays: &[RecordedRay]| {
-        task.check()?;
-        let hit = |r: &&RecordedRay| match r.shadow {
-            true => pass.world.occluded_filtered(&r.ray, pass.shadow_rule, &mut ()).is_some(),
-            false => pass.world.intersect(&r.ray, &mut ()).is_some(),
-        };
-        Ok(rays.iter().filter(hit).count() as u64)
+fn trace(pass: &Pass, tiles: &[Vec<RecordedRays>], task: &Task) -> Result<u64, Cancelled> {
+    let hits = |packets: &mut Packets, tile: &Vec<RecordedRays>| {
+        let mut hits = 0;
+        for RecordedRays { rays, shadow } in tile {
+            task.check()?;
+            hits += match shadow {
+                true => packets
+                    .occluded_filtered(rays, pass.shadow_rule)
+                    .iter()
+                    .filter(|blocked| **blocked)
+                    .count(),
+                false => packets.intersect(rays).iter().flatten().count(),
+            };
+        }
+        Ok(hits as u64)
     };
-    rows.par_iter().flat_map(|row| row.par_chunks(256)).map(hits).try_reduce(|| 0, |a, b| Ok(a + b))
+    let state = || Packets::new(pass.world);
+    tiles.par_iter().map_init(state, hits).try_reduce(|| 0, |a, b| Ok(a + b))
 }
 
 fn milliseconds(start: Instant) -> f64 {
@@ -235,7 +249,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::accel::BuildConfig;
+    use crate::accel::{BuildConfig, Tree, WideBvh};
     use crate::scene::builtin;
 
     #[test]
@@ -246,16 +260,19 @@ mod tests {
         let settings = RenderSettings { width: 30, height: 20, ..RenderSettings::default() };
         let camera = world.scene.camera;
         let pass = frame_pass(&world, &camera, &settings);
-        let rows = record(&pass, 30, 0..20, &task).expect("nobody cancels");
-        for (count, kept) in [(CountKind::All, [true, true]), (CountKind::Shadow, [true, false])] {
+        let tiles = record(&pass, 30, 0..20, &task).expect("nobody cancels");
+        let number = |shadow: bool| -> u64 {
+            let of_kind = tiles.iter().flatten().filter(|rays| rays.shadow == shadow);
+            of_kind.map(|rays| rays.rays.len() as u64).sum()
+        };
+        let (shadows, others) = (number(true), number(false));
+        for (count, expected) in [(CountKind::All, shadows + others), (CountKind::Shadow, shadows)] {
             let figures = count_rays(&world, &camera, &settings, count, 1, &task).expect("nobody cancels");
-            let recorded = rows.iter().flatten().filter(|ray| kept[usize::from(!ray.shadow)]).count();
-            assert_eq!(recorded as u64, figures.ray_count, "{count:?}");
+            assert_eq!(figures.ray_count, expected, "{count:?}");
         }
         // The room is closed, so every ray but those to the light hits.
-        let others = rows.iter().flatten().filter(|ray| !ray.shadow).count() as u64;
-        let hits = trace(&pass, &rows, &task).expect("nobody cancels");
-        assert!(hits > others && hits < rows.iter().flatten().count() as u64, "{hits} hits, {others} others");
+        let hits = trace(&pass, &tiles, &task).expect("nobody cancels");
+        assert!(hits > others && hits < shadows + others, "{hits} hits, {others} others");
     }
 
     #[test]
@@ -269,13 +286,17 @@ mod tests {
 
     #[test]
     fn figures_are_means_per_ray_and_lcv_is_a_standard_deviation() {
-        let mut rays = CountRays::new(CountKind::All);
-        for leaves in [2u32, 4, 4, 4, 5, 5, 7, 9] {
-            let probe = rays.begin(RayKind::Camera, &Ray::new(glam::Vec3::ZERO, glam::Vec3::Z));
-            crate::accel::Probe::inner_visited(probe, 0, 2);
-            (0..leaves).for_each(|leaf| crate::accel::Probe::leaf_visited(probe, leaf));
-            crate::accel::Probe::shapes_tested(probe, 3);
-            rays.end();
+        let tree = Tree::W2(WideBvh::empty());
+        let mut rays = CountRays::new(CountKind::All, &tree);
+        let ray = Ray::new(glam::Vec3::ZERO, glam::Vec3::Z);
+        for leaf_visits in [2, 4, 4, 4, 5, 5, 7, 9] {
+            let counters = [RayCounters { inner_visits: 1, leaf_visits, box_tests: 2, shape_tests: 3 }];
+            rays.traced(&TracedRays {
+                kind: RayKind::Camera,
+                rays: &[ray],
+                pixels: &[0],
+                counters: &counters,
+            });
         }
         let figures = RayFigures::of(&rays, 2.0, 0.5);
         assert_eq!(figures.ray_count, 8);
@@ -288,7 +309,8 @@ mod tests {
 
     #[test]
     fn no_ray_has_no_mean() {
-        let figures = RayFigures::of(&CountRays::new(CountKind::Shadow), 1.0, 1.0);
+        let figures =
+            RayFigures::of(&CountRays::new(CountKind::Shadow, &Tree::W2(WideBvh::empty())), 1.0, 1.0);
         assert_eq!((figures.ray_count, figures.nodes_visited_mean, figures.lcv), (0, None, None));
     }
 }

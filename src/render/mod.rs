@@ -14,6 +14,7 @@ pub mod path;
 pub mod rank;
 pub mod sampler;
 pub mod shadow;
+mod tiles;
 pub mod tonemap;
 pub mod views;
 pub mod whitted;

@@ -1,7 +1,7 @@
 //! Who looks on while an integrator traces rays: nobody, a counter, or a recorder. One walk of the ray tree for all.
 
 use crate::accel::traverse::hits_root;
-use crate::accel::{Probe, RayCounters, Tree};
+use crate::accel::{RayCounters, Tree};
 use crate::geometry::Ray;
 
 use super::views::CountKind;
@@ -30,65 +30,101 @@ impl CountKind {
     }
 }
 
-/// Is told of every ray, and gives the probe that looks on while it walks the tree. `()` does nothing and costs nothing.
+/// Rays of one kind that were traced together.
+#[derive(Clone, Copy, Debug)]
+pub struct TracedRays<'a> {
+    pub kind: RayKind,
+    pub rays: &'a [Ray],
+    /// For which of the asked pixels each was traced.
+    pub pixels: &'a [u32],
+    /// What each met; empty if [`RayObserver::COUNTS`] says that nobody asks.
+    pub counters: &'a [RayCounters],
+}
+
+/// Is told of every ray. `()` looks at nothing and costs nothing.
 pub trait RayObserver {
-    type Probe: Probe;
-    /// A ray is about to be traced.
-    fn begin(&mut self, kind: RayKind, ray: &Ray) -> &mut Self::Probe;
-    /// The ray was traced.
-    fn end(&mut self);
+    /// Whether it looks at the counters.
+    const COUNTS: bool;
+
+    /// Whether rays after the camera rays need not be traced.
+    fn asks_for_camera_rays_alone(&self) -> bool {
+        false
+    }
+
+    fn traced(&mut self, traced: &TracedRays);
 }
 
 impl RayObserver for () {
-    type Probe = ();
+    const COUNTS: bool = false;
+
     #[inline(always)]
-    fn begin(&mut self, _: RayKind, _: &Ray) -> &mut () {
-        self
-    }
-    #[inline(always)]
-    fn end(&mut self) {}
+    fn traced(&mut self, _: &TracedRays) {}
 }
 
-/// Adds up the counters of the rays of some kinds.
+/// Adds up the counters of the rays of some kinds, a pixel a sum.
+#[derive(Clone, Debug)]
+pub struct CountPixels {
+    count: CountKind,
+    sums: Vec<RayCounters>,
+}
+
+impl CountPixels {
+    pub fn new(count: CountKind) -> Self {
+        Self { count, sums: Vec::new() }
+    }
+
+    /// From zero on, for so many pixels.
+    pub fn restart(&mut self, pixels: usize) {
+        self.sums.clear();
+        self.sums.resize(pixels, RayCounters::default());
+    }
+
+    pub fn counters(&self) -> &[RayCounters] {
+        &self.sums
+    }
+}
+
+impl RayObserver for CountPixels {
+    const COUNTS: bool = true;
+
+    fn asks_for_camera_rays_alone(&self) -> bool {
+        self.count == CountKind::Camera
+    }
+
+    fn traced(&mut self, traced: &TracedRays) {
+        if self.count.includes(traced.kind) {
+            for (&pixel, &counters) in traced.pixels.iter().zip(traced.counters) {
+                self.sums[pixel as usize] += counters;
+            }
+        }
+    }
+}
+
+/// Adds up the counters of all rays of some kinds.
 #[derive(Clone, Debug)]
 pub struct CountRays<'t> {
     count: CountKind,
     /// To tell which rays miss its root.
-    tree: Option<&'t Tree>,
-    counting: bool,
-    current: RayCounters,
+    tree: &'t Tree,
     /// Sums over the counted rays.
     pub counters: RayCounters,
     pub ray_count: u64,
-    /// Rays that miss the root's box; counted by [`CountRays::at_root`] alone.
+    /// Rays that miss the root's box.
     pub missed_root_count: u64,
     /// Sum of the squares of the leaf visits.
     pub squared_leaf_visits: u64,
 }
 
 impl<'t> CountRays<'t> {
-    pub fn new(count: CountKind) -> Self {
+    pub fn new(count: CountKind, tree: &'t Tree) -> Self {
         Self {
             count,
-            tree: None,
-            counting: false,
-            current: RayCounters::default(),
+            tree,
             counters: RayCounters::default(),
             ray_count: 0,
             missed_root_count: 0,
             squared_leaf_visits: 0,
         }
-    }
-
-    /// Looks at which rays miss the root's box of `tree`, too.
-    pub fn at_root(count: CountKind, tree: &'t Tree) -> Self {
-        Self { tree: Some(tree), ..Self::new(count) }
-    }
-
-    /// Whether rays after the camera ray need not be traced.
-    #[inline]
-    pub fn counts_camera_rays_alone(&self) -> bool {
-        self.count == CountKind::Camera
     }
 
     /// The sums of both.
@@ -103,24 +139,21 @@ impl<'t> CountRays<'t> {
 }
 
 impl RayObserver for CountRays<'_> {
-    type Probe = RayCounters;
+    const COUNTS: bool = true;
 
-    #[inline]
-    fn begin(&mut self, kind: RayKind, ray: &Ray) -> &mut RayCounters {
-        self.counting = self.count.includes(kind);
-        self.current = RayCounters::default();
-        if self.counting && self.tree.is_some_and(|tree| !hits_root(tree, ray)) {
-            self.missed_root_count += 1;
-        }
-        &mut self.current
+    fn asks_for_camera_rays_alone(&self) -> bool {
+        self.count == CountKind::Camera
     }
 
-    #[inline]
-    fn end(&mut self) {
-        if self.counting {
-            self.counters += self.current;
+    fn traced(&mut self, traced: &TracedRays) {
+        if !self.count.includes(traced.kind) {
+            return;
+        }
+        for (ray, &counters) in traced.rays.iter().zip(traced.counters) {
+            self.counters += counters;
             self.ray_count += 1;
-            self.squared_leaf_visits += self.current.leaf_visits * self.current.leaf_visits;
+            self.missed_root_count += u64::from(!hits_root(self.tree, ray));
+            self.squared_leaf_visits += counters.leaf_visits * counters.leaf_visits;
         }
     }
 }
@@ -128,24 +161,28 @@ impl RayObserver for CountRays<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accel::WideBvh;
     use glam::Vec3;
 
     #[test]
     fn only_rays_of_the_asked_kind_are_added_up() {
         let ray = Ray::new(Vec3::ZERO, Vec3::Z);
+        let tree = Tree::W2(WideBvh::empty());
         for (count, expected) in
             [(CountKind::Camera, 2), (CountKind::Bounce, 3), (CountKind::Shadow, 4), (CountKind::All, 9)]
         {
-            let mut observer = CountRays::new(count);
-            for (kind, leaves) in [(RayKind::Camera, 2), (RayKind::Bounce, 3), (RayKind::Shadow, 4)] {
-                let probe = observer.begin(kind, &ray);
-                for leaf in 0..leaves {
-                    probe.leaf_visited(leaf);
-                }
-                observer.end();
+            let (mut all, mut pixels) = (CountRays::new(count, &tree), CountPixels::new(count));
+            pixels.restart(2);
+            for (kind, leaf_visits) in [(RayKind::Camera, 2), (RayKind::Bounce, 3), (RayKind::Shadow, 4)] {
+                let counters = [RayCounters { leaf_visits, ..RayCounters::default() }];
+                let traced = TracedRays { kind, rays: &[ray], pixels: &[1], counters: &counters };
+                all.traced(&traced);
+                pixels.traced(&traced);
             }
-            assert_eq!(observer.counters.leaf_visits, expected);
-            assert_eq!(observer.ray_count, if count == CountKind::All { 3 } else { 1 });
+            assert_eq!(all.counters.leaf_visits, expected);
+            assert_eq!(all.ray_count, if count == CountKind::All { 3 } else { 1 });
+            assert_eq!(all.missed_root_count, all.ray_count);
+            assert_eq!(pixels.counters().iter().map(|c| c.leaf_visits).collect::<Vec<_>>(), [0, expected]);
         }
     }
 }

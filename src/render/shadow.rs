@@ -11,7 +11,7 @@ use super::light_sampling::LightSample;
 use super::pass::{LIGHTS_MAX, Pass};
 use super::sampler::Sampler;
 use crate::accel::{Probe, RayCounters};
-use crate::geometry::Ray;
+use crate::geometry::{Hit, Ray};
 use crate::scene::{Camera, MaterialKind, ShadowRule, Surface};
 use crate::world::World;
 
@@ -160,15 +160,13 @@ pub enum FirstHit {
     },
 }
 
-/// The first hit of a pixel's camera ray in a pass, with its one light sample. The sky is sampled only where there is no
-/// other light.
-pub fn first_hit(pass: &Pass, x: u32, y: u32) -> FirstHit {
+/// What a pixel's camera ray hit in a pass, with its one light sample. The sky is sampled only where there is no other light.
+pub fn first_hit(pass: &Pass, [x, y]: [u32; 2], ray: &Ray, hit: Option<Hit>) -> FirstHit {
     let scene = &*pass.world.scene;
-    let ray = pass.camera_ray(x, y);
-    let Some(hit) = pass.world.intersect(&ray, &mut ()) else {
+    let Some(hit) = hit else {
         return FirstHit::NotAsked { color: scene.sky.radiance };
     };
-    let surface = scene.surface(&ray, &hit);
+    let surface = scene.surface(ray, &hit);
     let material = &scene.materials[surface.material as usize];
     if let MaterialKind::Emissive { radiance } = material.kind {
         return FirstHit::NotAsked { color: if surface.front { radiance } else { Vec3::ZERO } };
@@ -220,33 +218,33 @@ fn one_light(
 }
 
 /// The pixel's colour with shadows by one way of asking.
-pub fn shaded(pass: &Pass, query: ShadowQuery, x: u32, y: u32) -> Vec3 {
-    match first_hit(pass, x, y) {
-        FirstHit::NotAsked { color } => color,
+pub fn shaded(pass: &Pass, query: ShadowQuery, first: &FirstHit) -> Vec3 {
+    match first {
+        FirstHit::NotAsked { color } => *color,
         FirstHit::Asked { shadow_ray, dark, light } => {
-            let blocked = query.ask(pass.world, &shadow_ray, pass.shadow_rule, &mut ()).is_some();
-            if blocked { dark } else { dark + light }
+            let blocked = query.ask(pass.world, shadow_ray, pass.shadow_rule, &mut ()).is_some();
+            if blocked { *dark } else { *dark + *light }
         }
     }
 }
 
 /// The pixel's class.
-pub fn class(pass: &Pass, x: u32, y: u32) -> ShadowClass {
-    match first_hit(pass, x, y) {
+pub fn class(pass: &Pass, first: &FirstHit) -> ShadowClass {
+    match first {
         FirstHit::NotAsked { .. } => ShadowClass::NotAsked,
         FirstHit::Asked { shadow_ray, .. } => class_of(
-            ShadowQuery::Intersect.ask(pass.world, &shadow_ray, pass.shadow_rule, &mut ()),
-            ShadowQuery::Occluded.ask(pass.world, &shadow_ray, pass.shadow_rule, &mut ()),
+            ShadowQuery::Intersect.ask(pass.world, shadow_ray, pass.shadow_rule, &mut ()),
+            ShadowQuery::Occluded.ask(pass.world, shadow_ray, pass.shadow_rule, &mut ()),
         ),
     }
 }
 
 /// Asks the shadow ray of a pixel in a pass three ways; `None` where there is none.
-pub fn answers(pass: &Pass, x: u32, y: u32) -> Option<ShadowAnswers> {
-    match first_hit(pass, x, y) {
+pub fn answers(pass: &Pass, first: &FirstHit) -> Option<ShadowAnswers> {
+    match first {
         FirstHit::NotAsked { .. } => None,
         FirstHit::Asked { shadow_ray, .. } => {
-            Some(ShadowAnswers::of(pass.world, &shadow_ray, pass.shadow_rule))
+            Some(ShadowAnswers::of(pass.world, shadow_ray, pass.shadow_rule))
         }
     }
 }
@@ -261,7 +259,8 @@ pub fn answers_at(
     pixel: [u32; 2],
 ) -> Option<ShadowAnswers> {
     let pass = Pass::new(world, camera, [settings.width, settings.height], settings, rule, 0);
-    answers(&pass, pixel[0], pixel[1])
+    let ray = pass.camera_ray(pixel[0], pixel[1]);
+    answers(&pass, &first_hit(&pass, pixel, &ray, world.intersect(&ray, &mut ())))
 }
 
 #[cfg(test)]

@@ -112,6 +112,7 @@ impl Material {
     }
 
     /// The colour at a point of the surface. A colour that names no image of `images` is its tint.
+    #[inline]
     pub fn color_at(&self, uv: Vec2, images: &[Image]) -> Vec3 {
         match &self.color {
             Color::Solid(color) => *color,

@@ -27,6 +27,7 @@ pub struct Surface {
 
 impl Scene {
     /// The surface at `hit`, the answer to `ray`.
+    #[inline]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
         let shape_hit = ShapeHit { t: hit.t, u: hit.u, v: hit.v };
         let (point, material) = match self.shapes.get(hit.shape as usize) {
@@ -63,6 +64,7 @@ impl Scene {
 
 impl Mesh {
     /// Shading normal and uv at a hit, from the vertices where they have them, else from the geometry.
+    #[inline]
     fn vertex_attributes(&self, triangle: &MeshTriangle, hit: &Hit, point: &SurfacePoint) -> (Vec3, Vec2) {
         let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
         let has = |indices: [u32; 3]| !indices.contains(&MeshTriangle::NO_INDEX);

@@ -12,10 +12,11 @@ use glam::Vec2;
 use image::RgbaImage;
 use rayon::prelude::*;
 
+use super::tiles::{add, tiles};
 use crate::accel::quality::sah_shares;
 use crate::scene::Camera;
 use crate::task::{Cancelled, Task};
-use crate::world::World;
+use crate::world::{Packets, World};
 
 pub use color::{NEUTRAL_COLOR, ramp};
 pub use draw::{DENSITY_MAP, density_position};
@@ -80,15 +81,17 @@ pub fn first_hit_distances(
     task: &Task,
 ) -> Result<Vec<f32>, Cancelled> {
     let frame = camera.frame(width, height);
-    let mut distances = vec![f32::INFINITY; width as usize * height as usize];
-    distances.par_chunks_mut(width.max(1) as usize).enumerate().try_for_each(|(y, row)| {
-        task.check()?;
-        for (x, distance) in row.iter_mut().enumerate() {
-            let ray = frame.ray(Vec2::new(x as f32 + 0.5, y as f32 + 0.5));
-            *distance = world.intersect(&ray, &mut ()).map_or(f32::INFINITY, |hit| hit.t);
+    let (size, state) = ([width, height], || (Packets::new(world), Vec::new()));
+    let found = tiles(size, task, &|_| (), state, |(packets, rays), pixels, distances| {
+        rays.clear();
+        rays.extend(pixels.iter().map(|&[x, y]| frame.ray(Vec2::new(x as f32 + 0.5, y as f32 + 0.5))));
+        for (distance, hit) in distances.iter_mut().zip(packets.intersect(rays)) {
+            *distance = hit.map_or(f32::INFINITY, |hit| hit.t);
         }
         Ok(())
     })?;
+    let mut distances = vec![0.0; width as usize * height as usize];
+    add(&mut distances, &found, size);
     Ok(distances)
 }
 
