@@ -149,10 +149,11 @@ impl<'a> PacketBest<'a> {
             let Some(block) = self.blocks[first + lane].filter(|_| rays >> lane & 1 != 0) else { continue };
             let of_block = usize::from(self.lanes[first + lane]);
             shapes[lane] = block.shape(of_block);
-            for corner in 0..3 {
-                for axis in 0..3 {
-                    corners[corner][axis][lane] = f64::from(block.coordinate(of_block, corner, axis));
-                }
+            let triangle = block.triangle(of_block);
+            for (corner, v) in corners.iter_mut().zip(triangle.v) {
+                corner[0][lane] = f64::from(v.x);
+                corner[1][lane] = f64::from(v.y);
+                corner[2][lane] = f64::from(v.z);
             }
         }
         let four = |values: [f64; 4]| f64x4::load_array(simd, values);
@@ -366,8 +367,7 @@ fn singles_stop<S: Simd, G>(
     simd: S,
     stored: &[Stored<G>],
     test: impl Fn(&G, &PreparedRay, &Span) -> Option<ShapeHit>,
-    packet: &PacketLanes,
-    rays: Rays,
+    (packet, rays): (&PacketLanes, Rays),
     stopped: &mut Rays,
     blocks: &impl Fn(u32) -> bool,
     probe: &mut PacketProbe,
@@ -475,8 +475,7 @@ fn quads_nearest<S: Simd>(
 fn quads_stop<S: Simd>(
     simd: S,
     stored: &[Stored<Quad>],
-    packet: &PacketLanes,
-    rays: Rays,
+    (packet, rays): (&PacketLanes, Rays),
     stopped: &mut Rays,
     blocks: &impl Fn(u32) -> bool,
     probe: &mut PacketProbe,
@@ -573,8 +572,7 @@ impl PacketLeaves for PrimStore {
                 simd,
                 others.spheres,
                 Sphere::intersect_in,
-                packet,
-                rays,
+                (packet, rays),
                 &mut stopped,
                 blocks,
                 probe,
@@ -583,14 +581,13 @@ impl PacketLeaves for PrimStore {
                 simd,
                 others.cuboids,
                 Cuboid::intersect_in,
-                packet,
-                rays,
+                (packet, rays),
                 &mut stopped,
                 blocks,
                 probe,
             );
-            quads_stop(simd, others.quads, packet, rays, &mut stopped, blocks, probe);
-            singles_stop(simd, others.tori, Torus::intersect_in, packet, rays, &mut stopped, blocks, probe);
+            quads_stop(simd, others.quads, (packet, rays), &mut stopped, blocks, probe);
+            singles_stop(simd, others.tori, Torus::intersect_in, (packet, rays), &mut stopped, blocks, probe);
         }
         stopped
     }

@@ -285,25 +285,33 @@ fn walk<'l, S: Instructions, const N: usize, L: LeafIntersector, Q: Query<'l, L>
     WideNode<N>: BoxLanes<S, N>,
 {
     if let Some(tree_ray) = TreeRay::new(simd, ray, &bvh.bounds, query.t_max()) {
-        walk_below(simd, bvh, bvh.root, leaves, ray, &tree_ray, query, probe, full);
+        let start = Start { node: bvh.root, ray, tree_ray: &tree_ray };
+        walk_below(simd, bvh, start, leaves, query, probe, full);
     }
 }
 
-/// The walk from a node on that the ray enters before its end.
+/// A ray, and the node from which on it walks: one that it enters before its end.
+#[derive(Clone, Copy)]
+struct Start<'r> {
+    node: ChildRef,
+    ray: &'r Ray,
+    tree_ray: &'r TreeRay,
+}
+
+/// The walk from a node on.
 #[inline(always)]
 fn walk_below<'l, S: Instructions, const N: usize, L: LeafIntersector, Q: Query<'l, L>, P: Probe>(
     simd: S,
     bvh: &WideBvh<N>,
-    start: ChildRef,
+    start: Start,
     leaves: &'l L,
-    ray: &Ray,
-    tree_ray: &TreeRay,
     query: &mut Q,
     probe: &mut P,
     full: &mut Vec<Waiting>,
 ) where
     WideNode<N>: BoxLanes<S, N>,
 {
+    let Start { node: mut next, ray, tree_ray } = start;
     let mut t_max = query.t_max();
     let lanes = WideNode::spread(simd, tree_ray);
     let mut prepared = None;
@@ -313,7 +321,6 @@ fn walk_below<'l, S: Instructions, const N: usize, L: LeafIntersector, Q: Query<
     // The nodes that wait, the nearest on top.
     let mut stack = &mut small[..];
     let mut height = 1;
-    let mut next = start;
     let large = size_of_val(nodes) > CACHED;
     loop {
         // A loop of its own that calls nothing, so that what a node's test needs stays in registers on the way down.

@@ -36,7 +36,7 @@ impl Lanes {
     #[inline(always)]
     pub fn four(&self, first: usize) -> [f32; 4] {
         let [a, b, c, d, e, f, g, h] = self.0[first / GROUP % GROUPS];
-        if first % GROUP == 0 { [a, b, c, d] } else { [e, f, g, h] }
+        if first.is_multiple_of(GROUP) { [a, b, c, d] } else { [e, f, g, h] }
     }
 
     /// The numbers of a group.
@@ -295,15 +295,13 @@ impl PacketLanes {
     #[inline(always)]
     pub fn span<S: Simd>(&self, simd: S, group: usize, bounds: &Aabb) -> [f32x8<S>; 2] {
         let spread = |value: f32| f32x8::simd_from(simd, value);
-        let mut reach = spread(0.0);
-        for axis in 0..3 {
-            let origin = self.origin[axis].load(simd, group);
-            let (min, max) = (spread(bounds.min[axis]), spread(bounds.max[axis]));
-            reach = reach.max((min - origin).abs().max((max - origin).abs()));
-        }
+        let origin = [0, 1, 2].map(
+            #[inline(always)]
+            |axis| self.origin[axis].load(simd, group),
+        );
+        let reach = reach(simd, bounds, &origin);
         let (mut enter, mut leave) = (spread(f32::NEG_INFINITY), spread(f32::INFINITY));
-        for axis in 0..3 {
-            let origin = self.origin[axis].load(simd, group);
+        for (axis, &origin) in origin.iter().enumerate() {
             let inv = self.inv_direction[axis].load(simd, group);
             let margin = reach * spread(Slabs::MARGIN) + origin.abs() * spread(f32::EPSILON);
             let outwards = margin.copysign(inv);
@@ -387,11 +385,7 @@ impl PacketLanes {
                 #[inline(always)]
                 |axis| self.direction[axis].load(simd, group),
             );
-            let mut reach = zero;
-            for axis in 0..3 {
-                let (min, max) = (spread(bounds.min[axis]), spread(bounds.max[axis]));
-                reach = reach.max((min - origin[axis]).abs().max((max - origin[axis]).abs()));
-            }
+            let reach = reach(simd, bounds, &origin);
             let t_min = self.t_min.load(simd, group);
             let (mut near, mut far) = (t_min, self.t_max.load(simd, group));
             let mut regular = t_min.simd_ge(zero);
@@ -445,8 +439,8 @@ impl PacketLanes {
             alike = like_first(alike, is_y);
         }
         self.k = PreparedRay::new(self.ray(first)).k;
-        for axis in 0..3 {
-            let side = if flipped[axis].has(first) { 3 } else { 0 };
+        for (axis, flipped) in flipped.into_iter().enumerate() {
+            let side = if flipped.has(first) { 3 } else { 0 };
             (self.near_side[axis], self.far_side[axis]) = (axis + side, axis + 3 - side);
         }
         let [x, y, z] = self.k;
@@ -511,6 +505,18 @@ impl PacketLanes {
             },
         )
     }
+}
+
+/// The largest distance of each origin to the sides of a box, along an axis.
+#[inline(always)]
+fn reach<S: Simd>(simd: S, bounds: &Aabb, origin: &[f32x8<S>; 3]) -> f32x8<S> {
+    let spread = |value: f32| f32x8::simd_from(simd, value);
+    let mut reach = spread(0.0);
+    for (axis, &origin) in origin.iter().enumerate() {
+        let (min, max) = (spread(bounds.min[axis]), spread(bounds.max[axis]));
+        reach = reach.max((min - origin).abs().max((max - origin).abs()));
+    }
+    reach
 }
 
 /// Column i of eight rows as vector i.

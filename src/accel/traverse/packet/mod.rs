@@ -19,7 +19,7 @@ use crate::geometry::Ray;
 use crate::{at_level, each_width};
 
 use super::boxes::BoxLanes;
-use super::{LeafIntersector, RayCounters, walk_below};
+use super::{LeafIntersector, RayCounters, Start, walk_below};
 
 pub use counters::{PacketCounters, PacketProbe};
 pub(super) use lanes::Interval;
@@ -102,12 +102,10 @@ trait Query<'l, L: PacketLeaves> {
         &mut self,
         simd: S,
         bvh: &WideBvh<N>,
-        start: ChildRef,
+        start: Start,
         leaves: &'l L,
-        packet: &PacketLanes,
         ray: usize,
-        counters: &mut RayCounters,
-        full: &mut Vec<super::Waiting>,
+        alone: &mut Alone,
     ) -> bool
     where
         WideNode<N>: BoxLanes<S, N>;
@@ -142,20 +140,17 @@ impl<'l, L: PacketLeaves> Query<'l, L> for Nearest<'_, 'l, L> {
         &mut self,
         simd: S,
         bvh: &WideBvh<N>,
-        start: ChildRef,
+        start: Start,
         leaves: &'l L,
-        packet: &PacketLanes,
         ray: usize,
-        counters: &mut RayCounters,
-        full: &mut Vec<super::Waiting>,
+        alone: &mut Alone,
     ) -> bool
     where
         WideNode<N>: BoxLanes<S, N>,
     {
         let mut best = L::take_out(self.bests, ray);
         let mut query = super::Nearest::<L> { best: &mut best };
-        let one = packet.ray(ray);
-        walk_below(simd, bvh, start, leaves, &one, &packet.tree_ray(ray), &mut query, counters, full);
+        walk_below(simd, bvh, start, leaves, &mut query, &mut alone.counters, &mut alone.full);
         L::put_back(self.bests, ray, best);
         false
     }
@@ -193,19 +188,16 @@ impl<'l, L: PacketLeaves, F: Fn(u32) -> bool> Query<'l, L> for Any<'_, F> {
         &mut self,
         simd: S,
         bvh: &WideBvh<N>,
-        start: ChildRef,
+        start: Start,
         leaves: &'l L,
-        packet: &PacketLanes,
         ray: usize,
-        counters: &mut RayCounters,
-        full: &mut Vec<super::Waiting>,
+        alone: &mut Alone,
     ) -> bool
     where
         WideNode<N>: BoxLanes<S, N>,
     {
         let mut query = super::Any { t_max: self.t_max.get(ray), blocks: self.blocks, found: None };
-        let one = packet.ray(ray);
-        walk_below(simd, bvh, start, leaves, &one, &packet.tree_ray(ray), &mut query, counters, full);
+        walk_below(simd, bvh, start, leaves, &mut query, &mut alone.counters, &mut alone.full);
         if query.found.is_some() {
             self.stopped = self.stopped.or(Rays::one(ray));
         }
@@ -231,14 +223,20 @@ impl Waiting {
         Self { child: ChildRef::EMPTY, parent: 0, slot: 0, near: f32::INFINITY, rays: Rays::NONE };
 }
 
+/// What a ray needs that goes on alone.
+#[derive(Clone, Debug, Default)]
+struct Alone {
+    counters: RayCounters,
+    full: Vec<super::Waiting>,
+}
+
 /// Nodes that wait, the next on top, and what else a walk needs.
 #[derive(Clone, Debug)]
 struct Stack {
     waiting: Vec<Waiting>,
     /// Of each child of a node.
     entries: [Lanes; MAX_WIDTH],
-    /// Of a ray alone.
-    full: Vec<super::Waiting>,
+    alone: Alone,
     /// Nodes that the packet has met, and by how many of its rays each.
     met: u64,
     met_by: u64,
@@ -247,7 +245,7 @@ struct Stack {
 impl Default for Stack {
     fn default() -> Self {
         let waiting = vec![Waiting::NONE; USUAL_STACK];
-        Self { waiting, entries: [Lanes::ZERO; MAX_WIDTH], full: Vec::new(), met: 0, met_by: 0 }
+        Self { waiting, entries: [Lanes::ZERO; MAX_WIDTH], alone: Alone::default(), met: 0, met_by: 0 }
     }
 }
 
@@ -337,7 +335,7 @@ where
         if alike.count() < FEWEST {
             alone = alone.or(alike);
         } else {
-            walk(simd, bvh, leaves, lanes, alike, stack, query, probe);
+            walk(simd, bvh, leaves, (lanes, alike), stack, query, probe);
         }
     }
     alone
@@ -352,15 +350,14 @@ fn walk<'l, S: Instructions, const N: usize, L: PacketLeaves, Q: Query<'l, L>>(
     simd: S,
     bvh: &WideBvh<N>,
     leaves: &'l L,
-    lanes: &PacketLanes,
-    rays: Rays,
+    (lanes, rays): (&PacketLanes, Rays),
     stack: &mut Stack,
     query: &mut Q,
     probe: &mut PacketProbe,
 ) where
     WideNode<N>: BoxLanes<S, N>,
 {
-    let Stack { waiting, entries, full, met, met_by } = stack;
+    let Stack { waiting, entries, alone, met, met_by } = stack;
     let interval = lanes.interval(simd, rays);
     let mut t_end = query.t_max().bounds(simd, rays)[1];
     let mut walking = rays;
@@ -370,13 +367,8 @@ fn walk<'l, S: Instructions, const N: usize, L: PacketLeaves, Q: Query<'l, L>>(
         *met += 1;
         *met_by += u64::from(rays.count());
         if rays.count() <= LONELY {
-            for ray in rays.iter() {
-                let mut counters = RayCounters::default();
-                if query.alone(simd, bvh, next, leaves, lanes, ray, &mut counters, full) {
-                    walking = walking.without(Rays::one(ray));
-                }
-                probe.counted(Rays::one(ray), &counters);
-            }
+            let done = one_by_one(simd, (bvh, next), leaves, (lanes, rays), query, alone, probe);
+            walking = walking.without(done);
         } else if let Some(node_idx) = next.as_inner() {
             let node = &bvh.nodes[node_idx as usize];
             probe.inner_visited(rays, node.child_count() as u32);
@@ -474,6 +466,33 @@ fn order<S: Simd>(
             }
         }
     }
+}
+
+/// Walks on with each of a few rays from a node on; answers which are done.
+#[inline(always)]
+fn one_by_one<'l, S: Instructions, const N: usize, L: PacketLeaves, Q: Query<'l, L>>(
+    simd: S,
+    (bvh, node): (&WideBvh<N>, ChildRef),
+    leaves: &'l L,
+    (lanes, rays): (&PacketLanes, Rays),
+    query: &mut Q,
+    alone: &mut Alone,
+    probe: &mut PacketProbe,
+) -> Rays
+where
+    WideNode<N>: BoxLanes<S, N>,
+{
+    let mut done = Rays::NONE;
+    for index in rays.iter() {
+        let (ray, tree_ray) = (lanes.ray(index), lanes.tree_ray(index));
+        let start = Start { node, ray: &ray, tree_ray: &tree_ray };
+        alone.counters = RayCounters::default();
+        if query.alone(simd, bvh, start, leaves, index, alone) {
+            done = done.or(Rays::one(index));
+        }
+        probe.counted(Rays::one(index), &alone.counters);
+    }
+    done
 }
 
 /// A leaf's test, in a function of its own that does not depend on the tree's width.
