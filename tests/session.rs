@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bvhscope::accel::simd::SimdLevel;
-use bvhscope::accel::{BuildConfig, Builder, StopRule, Widen, Width};
+use bvhscope::accel::{Block, BuildConfig, Builder, StopRule, Widen, Width};
 use bvhscope::export::session_file;
 use bvhscope::render::{
     BoxColor, BoxStyle, ColorMap, CountKind, DisplaySettings, OverlaySettings, RenderSettings, ToneMap, View,
@@ -34,13 +34,15 @@ fn build() -> impl Strategy<Value = BuildConfig> {
         select(&Width::ALL[..]),
         select(&Widen::ALL[..]),
         select(&StopRule::ALL[..]),
+        select(&Block::ALL[..]),
     );
     let numbers = (BuildConfig::BINS, BuildConfig::LEAF, 1e-6f32..1000.0, 1e-6f32..1000.0);
-    (choices, numbers).prop_map(|((builder, width, widen, stop), (bins, leaf, ct, ci))| BuildConfig {
+    (choices, numbers).prop_map(|((builder, width, widen, stop, block), (bins, leaf, ct, ci))| BuildConfig {
         builder,
         width,
         widen,
         stop,
+        block,
         bins,
         leaf,
         traversal_cost: ct,

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use bvh::aabb::{Aabb, Bounded};
 use bvh::bounding_hierarchy::BHShape;
-use bvhscope::accel::{BuildConfig, Widen, Width};
+use bvhscope::accel::{Block, BuildConfig, Widen, Width};
 use bvhscope::geometry::Ray;
 use bvhscope::render::bench::{Query, RaySet};
 use bvhscope::task::Task;
@@ -53,8 +53,13 @@ impl Contender {
 /// This program's 8-wide tree, as `--width 8 --leaf 4 --widen collapse`: what the others are compared with.
 pub fn reference() -> Contender {
     let build = |input: &Input| {
-        let wide =
-            BuildConfig { width: Width::W8, leaf: 4, widen: Widen::Collapse, ..BuildConfig::default() };
+        let wide = BuildConfig {
+            width: Width::W8,
+            leaf: 4,
+            widen: Widen::Collapse,
+            block: Block::B4,
+            ..BuildConfig::default()
+        };
         ours(input, &wide)
     };
     Contender { name: "bvhscope 8-wide", build }

@@ -128,6 +128,73 @@ impl Widen {
     }
 }
 
+/// How many references count as one in the split cost, rounded up: shapes that a leaf's test takes at once.
+///
+/// With 1 the split cost is `N_left * A_left + N_right * A_right`; with more each N counts the blocks that are begun, so that
+/// splits fall where blocks are full, as in Embree's builders.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(try_from = "usize", into = "usize")]
+pub enum Block {
+    #[default]
+    B1,
+    B2,
+    B4,
+    B8,
+}
+
+impl Block {
+    pub const ALL: [Self; 4] = [Self::B1, Self::B2, Self::B4, Self::B8];
+
+    pub fn get(self) -> usize {
+        match self {
+            Self::B1 => 1,
+            Self::B2 => 2,
+            Self::B4 => 4,
+            Self::B8 => 8,
+        }
+    }
+
+    /// `1`, `2`, `4` or `8`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::B1 => "1",
+            Self::B2 => "2",
+            Self::B4 => "4",
+            Self::B8 => "8",
+        }
+    }
+
+    /// One line for lists and tooltips.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::B1 => "the split cost counts shapes",
+            Self::B2 => "the split cost counts pairs of shapes, rounded up",
+            Self::B4 => "the split cost counts fours of shapes, rounded up: what this program tests at once",
+            Self::B8 => "the split cost counts eights of shapes, rounded up",
+        }
+    }
+
+    /// What so many references count as.
+    #[inline]
+    pub fn count(self, references: usize) -> usize {
+        references.div_ceil(self.get())
+    }
+}
+
+impl From<Block> for usize {
+    fn from(block: Block) -> usize {
+        block.get()
+    }
+}
+
+impl TryFrom<usize> for Block {
+    type Error = ConfigError;
+
+    fn try_from(block: usize) -> Result<Self, ConfigError> {
+        Self::ALL.into_iter().find(|b| b.get() == block).ok_or(ConfigError::Block { block })
+    }
+}
+
 /// When a node becomes a leaf.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -169,6 +236,7 @@ pub struct BuildConfig {
     pub bins: usize,
     /// Most references in a leaf, in [`BuildConfig::LEAF`].
     pub leaf: usize,
+    pub block: Block,
     /// C_t of the SAH cost: the price of visiting a node.
     pub traversal_cost: f32,
     /// C_i of the SAH cost: the price of testing a shape.
@@ -186,6 +254,7 @@ impl Default for BuildConfig {
             stop: StopRule::default(),
             bins: 16,
             leaf: 2,
+            block: Block::default(),
             traversal_cost: 1.0,
             intersection_cost: 1.0,
             simd: SimdLevel::default(),
@@ -198,6 +267,8 @@ impl Default for BuildConfig {
 pub enum ConfigError {
     #[error("width {width} is not one of 2, 4, 8")]
     Width { width: usize },
+    #[error("block {block} is not one of 1, 2, 4, 8")]
+    Block { block: usize },
     #[error("bins {bins} is outside 2 to 256")]
     Bins { bins: usize },
     #[error("leaf {leaf} is outside 1 to 64")]

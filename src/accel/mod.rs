@@ -11,6 +11,6 @@ pub mod validate;
 pub mod widen;
 
 pub use build::{BuildPhase, BuildReport, Shapes, build, build_over};
-pub use config::{BuildConfig, Builder, ConfigError, StopRule, Widen, Width};
+pub use config::{Block, BuildConfig, Builder, ConfigError, StopRule, Widen, Width};
 pub use traverse::{LeafIntersector, Probe, RayCounters};
 pub use tree::{Bvh2, ChildRef, NodeId, NodeKind, NodeView, Tree, WideBvh};

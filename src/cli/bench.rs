@@ -250,6 +250,7 @@ struct TreeSettings<'a> {
     bytes: usize,
     widen: &'static str,
     stop: &'static str,
+    block: usize,
     traversal_cost: f32,
     intersection_cost: f32,
 }
@@ -270,6 +271,7 @@ impl<'a> TreeSettings<'a> {
             bytes: world.bytes(),
             widen: build.widen.name(),
             stop: build.stop.name(),
+            block: build.block.get(),
             traversal_cost: build.traversal_cost,
             intersection_cost: build.intersection_cost,
         }

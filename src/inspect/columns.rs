@@ -136,6 +136,9 @@ pub static COLUMNS: &[Column] = &[
     .lower(),
     text("widen", "wide by", "how nodes of width 4 and 8 were made", |s| s.config.widen.name().into()),
     text("stop", "stop rule", "when a node became a leaf", |s| s.config.stop.name().into()),
+    count("block", "blocks", "shapes that count as one in the split cost, rounded up", |s| {
+        s.config.block.get().into()
+    }),
     real("traversal_cost", "C_t", "price of visiting a node", |s| f64::from(s.config.traversal_cost).into()),
     real("intersection_cost", "C_i", "price of testing a shape", |s| {
         f64::from(s.config.intersection_cost).into()
@@ -383,7 +386,10 @@ mod tests {
                       shape_tests_mean ray_cost_mean build_ms traversal_ms frames_per_s bytes";
         let expected: Vec<&str> = design.split_whitespace().collect();
         assert_eq!(keys[..expected.len()], expected);
-        assert_eq!(keys[expected.len()..], ["widen", "stop", "traversal_cost", "intersection_cost", "count"]);
+        assert_eq!(
+            keys[expected.len()..],
+            ["widen", "stop", "block", "traversal_cost", "intersection_cost", "count"]
+        );
     }
 
     #[test]

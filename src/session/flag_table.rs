@@ -7,7 +7,7 @@ use super::values::{
     read_int, read_named, read_optional, read_size, read_span, read_switch, span_text, switch_text,
 };
 use crate::accel::simd::SimdLevel;
-use crate::accel::{BuildConfig, Builder, StopRule, Widen, Width};
+use crate::accel::{Block, BuildConfig, Builder, StopRule, Widen, Width};
 use crate::render::{BoxColor, BoxStyle, ColorMap, CountKind, ToneMap, View};
 use crate::scene::{ShadowRule, UpAxis};
 
@@ -69,6 +69,15 @@ pub(super) static FLAGS: &[Flag] = &[
         choices: no_choices,
         set: |s, text| read_int(text, BuildConfig::LEAF).map(|v| s.build_mut().leaf = v),
         get: |s| s.build().leaf.to_string(),
+    },
+    Flag {
+        name: "block",
+        value_name: Some("N"),
+        group: FlagGroup::Tree,
+        help: "Shapes that count as one in the split cost, rounded up",
+        choices: choices::<Block>,
+        set: |s, text| read_named(text).map(|v| s.build_mut().block = v),
+        get: |s| s.build().block.name().to_owned(),
     },
     Flag {
         name: "traversal-cost",

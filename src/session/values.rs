@@ -9,7 +9,7 @@ use std::str::FromStr;
 use glam::Vec3;
 
 use crate::accel::simd::SimdLevel;
-use crate::accel::{Builder, StopRule, Widen, Width};
+use crate::accel::{Block, Builder, StopRule, Widen, Width};
 use crate::render::{BoxColor, BoxStyle, ColorMap, CountKind, ToneMap, View};
 use crate::scene::{Camera, ShadowRule, UpAxis};
 
@@ -49,6 +49,7 @@ macro_rules! named {
 named! {
     Builder: Self::description;
     Width: |_| "";
+    Block: Self::description;
     Widen: Self::description;
     SimdLevel: Self::description;
     StopRule: Self::description;

@@ -11,7 +11,7 @@ use crate::accel::simd::SimdToken;
 use crate::at_level;
 use crate::task::Task;
 
-use super::bound::{Bound, center, half_areas};
+use super::bound::{BlockCount, Bound, center, half_areas};
 use super::few;
 use super::order::{BuildRef, PARALLEL_MIN, RefSlice};
 use super::top_down::{Split, Splitter};
@@ -21,6 +21,7 @@ const MOST_BINS: usize = *BuildConfig::BINS.end();
 /// The binned builder.
 pub struct Binned<'a> {
     bins: usize,
+    blocks: BlockCount,
     task: &'a Task,
     level: SimdToken,
 }
@@ -59,7 +60,7 @@ impl Splitter<RefSlice<'_>> for Binned<'_> {
 
     #[inline]
     fn find(&self, order: &mut RefSlice<'_>, _bounds: &Bound) -> Option<Split<BinPlane>> {
-        at_level!(self.level, simd => find(simd, order.refs, self.bins, self.task))
+        at_level!(self.level, simd => find(simd, order.refs, (self.bins, self.blocks), self.task))
     }
 
     #[inline]
@@ -71,39 +72,44 @@ impl Splitter<RefSlice<'_>> for Binned<'_> {
 impl<'a> Binned<'a> {
     /// Once the task is cancelled, what is found means nothing.
     pub fn new(config: &BuildConfig, task: &'a Task) -> Self {
-        Self { bins: config.bins, task, level: SimdToken::of(config) }
+        Self { bins: config.bins, blocks: BlockCount::new(config.block), task, level: SimdToken::of(config) }
     }
 
     /// The dense search, for comparison.
     #[cfg(test)]
     pub fn find_dense_for_tests(&self, refs: &[BuildRef]) -> Option<Split<BinPlane>> {
-        at_level!(self.level, simd => find_dense::<_, MOST_BINS>(simd, refs, self.bins, self.task))
+        at_level!(self.level, simd => find_dense::<_, MOST_BINS>(simd, refs, (self.bins, self.blocks), self.task))
     }
 }
 
 #[inline(always)]
-fn find<S: Simd>(simd: S, refs: &[BuildRef], bins: usize, task: &Task) -> Option<Split<BinPlane>> {
+fn find<S: Simd>(
+    simd: S,
+    refs: &[BuildRef],
+    (bins, blocks): (usize, BlockCount),
+    task: &Task,
+) -> Option<Split<BinPlane>> {
     // Arrays, so that loops over them are unrolled.
     let few = match refs.len() {
-        2 => refs.as_array().and_then(|refs| few::find::<S, 2>(simd, refs, bins)),
-        3 => refs.as_array().and_then(|refs| few::find::<S, 3>(simd, refs, bins)),
-        4 => refs.as_array().and_then(|refs| few::find::<S, 4>(simd, refs, bins)),
-        5 => refs.as_array().and_then(|refs| few::find::<S, 5>(simd, refs, bins)),
-        6 => refs.as_array().and_then(|refs| few::find::<S, 6>(simd, refs, bins)),
-        7 => refs.as_array().and_then(|refs| few::find::<S, 7>(simd, refs, bins)),
-        8 => refs.as_array().and_then(|refs| few::find::<S, 8>(simd, refs, bins)),
+        2 => refs.as_array().and_then(|refs| few::find::<S, 2>(simd, refs, bins, blocks)),
+        3 => refs.as_array().and_then(|refs| few::find::<S, 3>(simd, refs, bins, blocks)),
+        4 => refs.as_array().and_then(|refs| few::find::<S, 4>(simd, refs, bins, blocks)),
+        5 => refs.as_array().and_then(|refs| few::find::<S, 5>(simd, refs, bins, blocks)),
+        6 => refs.as_array().and_then(|refs| few::find::<S, 6>(simd, refs, bins, blocks)),
+        7 => refs.as_array().and_then(|refs| few::find::<S, 7>(simd, refs, bins, blocks)),
+        8 => refs.as_array().and_then(|refs| few::find::<S, 8>(simd, refs, bins, blocks)),
         _ => None,
     };
     if few.is_some() {
         return few;
     }
     if refs.len() * 4 < bins {
-        return find_sparse(simd, refs, bins);
+        return find_sparse(simd, refs, bins, blocks);
     }
     match bins {
-        0..=16 => find_dense::<S, 16>(simd, refs, bins, task),
-        17..=64 => find_dense::<S, 64>(simd, refs, bins, task),
-        _ => find_dense::<S, MOST_BINS>(simd, refs, bins, task),
+        0..=16 => find_dense::<S, 16>(simd, refs, (bins, blocks), task),
+        17..=64 => find_dense::<S, 64>(simd, refs, (bins, blocks), task),
+        _ => find_dense::<S, MOST_BINS>(simd, refs, (bins, blocks), task),
     }
 }
 
@@ -198,10 +204,10 @@ impl<S: Simd> Bins<S> {
         Self { bounds: [a.min(d), b.min(e), c.min(f)], counts: self.counts + other.counts }
     }
 
-    /// Half area times count along each axis: not a number where empty.
+    /// Half area times count of blocks along each axis: not a number where empty.
     #[inline(always)]
-    fn weights(&self) -> f32x4<S> {
-        half_areas(&self.bounds) * self.counts.simd.cvt_f32_i32x4(self.counts)
+    fn weights(&self, blocks: BlockCount) -> f32x4<S> {
+        half_areas(&self.bounds) * blocks.of_lanes(self.counts.simd.cvt_f32_i32x4(self.counts))
     }
 
     #[inline(always)]
@@ -263,7 +269,7 @@ fn fill_parallel<S: Simd, const M: usize>(
 fn find_dense<S: Simd, const M: usize>(
     simd: S,
     refs: &[BuildRef],
-    bins: usize,
+    (bins, blocks): (usize, BlockCount),
     task: &Task,
 ) -> Option<Split<BinPlane>> {
     simd.vectorize(
@@ -276,7 +282,7 @@ fn find_dense<S: Simd, const M: usize>(
             } else {
                 fill_parallel(&mut filled, refs, &grid, task);
             }
-            Some(sweep::<S, M>(&filled[..bins], &grid))
+            Some(sweep::<S, M>(&filled[..bins], &grid, blocks))
         },
     )
 }
@@ -284,7 +290,7 @@ fn find_dense<S: Simd, const M: usize>(
 /// The plane with the least split cost. Of equally cheap planes on an axis the first is taken (so of those with nothing
 /// between them), and of equally cheap axes.
 #[inline(always)]
-fn sweep<S: Simd, const M: usize>(bins: &[Bin], grid: &Grid<S>) -> Split<BinPlane> {
+fn sweep<S: Simd, const M: usize>(bins: &[Bin], grid: &Grid<S>, blocks: BlockCount) -> Split<BinPlane> {
     let simd = grid.origin.simd;
     let infinite = f32x4::splat(simd, f32::INFINITY);
     // At `i` the cost of the plane before bin `i`; first only its right side's.
@@ -292,13 +298,13 @@ fn sweep<S: Simd, const M: usize>(bins: &[Bin], grid: &Grid<S>) -> Split<BinPlan
     let mut right = Bins::load(simd, &Bin::EMPTY);
     for i in (1..bins.len()).rev() {
         right = right.union(Bins::load(simd, &bins[i]));
-        costs[i] = right.weights();
+        costs[i] = right.weights(blocks);
     }
     let mut left = Bins::load(simd, &Bin::EMPTY);
     let mut least = infinite;
     for i in 1..bins.len() {
         left = left.union(Bins::load(simd, &bins[i - 1]));
-        let cost = costs[i] + left.weights();
+        let cost = costs[i] + left.weights(blocks);
         costs[i] = cost;
         // What is not a number is not less.
         least = cost.simd_lt(least).select(cost, least);
@@ -340,14 +346,19 @@ pub fn cheapest_axis<S: Simd>(costs: f32x4<S>) -> (usize, f32) {
 /// The same answer as filling and sweeping bins, for a node with far fewer references than bins: only planes next to a
 /// filled bin can differ in cost.
 #[inline(never)]
-fn find_sparse<S: Simd>(simd: S, refs: &[BuildRef], bins: usize) -> Option<Split<BinPlane>> {
+fn find_sparse<S: Simd>(
+    simd: S,
+    refs: &[BuildRef],
+    bins: usize,
+    blocks: BlockCount,
+) -> Option<Split<BinPlane>> {
     simd.vectorize(
         #[inline(always)]
         || {
             let grid = Grid::new(center_bounds_of(simd, refs), bins)?;
             let mut best: Option<Split<BinPlane>> = None;
             for axis in 0..3 {
-                let found = sparse_on_axis(refs, &grid, axis);
+                let found = sparse_on_axis(refs, &grid, axis, blocks);
                 if best.is_none_or(|best| found.is_some_and(|found| found.cost < best.cost)) {
                     best = found;
                 }
@@ -358,7 +369,12 @@ fn find_sparse<S: Simd>(simd: S, refs: &[BuildRef], bins: usize) -> Option<Split
 }
 
 #[inline(always)]
-fn sparse_on_axis<S: Simd>(refs: &[BuildRef], grid: &Grid<S>, axis: usize) -> Option<Split<BinPlane>> {
+fn sparse_on_axis<S: Simd>(
+    refs: &[BuildRef],
+    grid: &Grid<S>,
+    axis: usize,
+    blocks: BlockCount,
+) -> Option<Split<BinPlane>> {
     const MOST: usize = MOST_BINS / 4;
     let simd = grid.origin.simd;
     let mut filled = [(0_usize, Bound::EMPTY); MOST];
@@ -381,7 +397,8 @@ fn sparse_on_axis<S: Simd>(refs: &[BuildRef], grid: &Grid<S>, axis: usize) -> Op
             continue;
         }
         let right_count = filled.len() - i;
-        let cost = left.half_area() * i as f32 + rights[i].half_area() * right_count as f32;
+        let cost =
+            left.half_area() * blocks.of(i as f32) + rights[i].half_area() * blocks.of(right_count as f32);
         if found.is_none_or(|f| cost < f.cost) {
             let plan = grid.plane(axis, (filled[i - 1].0 + 1) as f32);
             found = Some(Split { cost, left_count: i, left, right: rights[i], plan: Some(plan) });

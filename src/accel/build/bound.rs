@@ -3,7 +3,33 @@
 use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
 use glam::{Mat3A, Vec3, Vec3A, Vec4};
 
+use crate::accel::config::Block;
 use crate::geometry::Aabb;
+
+/// What references count as in a split cost ([`Block`]). Exact: the sizes of blocks are powers of two.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockCount {
+    share: f32,
+    rest: f32,
+}
+
+impl BlockCount {
+    #[inline]
+    pub fn new(block: Block) -> Self {
+        let share = 1.0 / block.get() as f32;
+        Self { share, rest: 1.0 - share }
+    }
+
+    #[inline(always)]
+    pub fn of(self, references: f32) -> f32 {
+        (references * self.share + self.rest).floor()
+    }
+
+    #[inline(always)]
+    pub fn of_lanes<S: Simd>(self, references: f32x4<S>) -> f32x4<S> {
+        (references * self.share + self.rest).floor()
+    }
+}
 
 /// A box as its lower corner and, negated, its upper one, so that a union is one minimum. The fourth lane of each corner
 /// means nothing here.

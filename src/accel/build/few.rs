@@ -3,7 +3,7 @@
 use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
 
 use super::binned::{BinPlane, Grid, center_bounds_of, cheapest_axis, to_int};
-use super::bound::{Bound, center, half_areas};
+use super::bound::{BlockCount, Bound, center, half_areas};
 use super::order::BuildRef;
 use super::top_down::Split;
 
@@ -31,6 +31,7 @@ pub fn find<S: Simd, const COUNT: usize>(
     simd: S,
     refs: &[BuildRef; COUNT],
     bins: usize,
+    blocks: BlockCount,
 ) -> Option<Split<BinPlane>> {
     const { assert!(COUNT >= 2 && COUNT <= MOST) };
     simd.vectorize(
@@ -45,7 +46,7 @@ pub fn find<S: Simd, const COUNT: usize>(
                     sorted[i][axis] = refs[which[axis] as usize & (MOST - 1)].bound;
                 }
             }
-            let (axis, left_count, cost) = sweep(simd, &sorted, &bins)?;
+            let (axis, left_count, cost) = sweep(simd, &sorted, &bins, blocks)?;
             let position = bins[left_count - 1][axis] + 1.0;
             let (left, right) = sorted.split_at(left_count);
             Some(Split {
@@ -88,19 +89,20 @@ fn sweep<S: Simd, const COUNT: usize>(
     simd: S,
     sorted: &[[Bound; 3]; COUNT],
     bins: &[f32x4<S>; COUNT],
+    blocks: BlockCount,
 ) -> Option<(usize, usize, f32)> {
     let infinite = f32x4::splat(simd, f32::INFINITY);
     // At `i` the cost of the first `i` going to the left; first only what the others make of it.
     let mut costs = [infinite; COUNT];
     let mut right = load(simd, &sorted[COUNT - 1]);
     for i in (1..COUNT).rev() {
-        costs[i] = half_areas(&right) * (COUNT - i) as f32;
+        costs[i] = half_areas(&right) * blocks.of((COUNT - i) as f32);
         right = unions(right, load(simd, &sorted[i - 1]));
     }
     let mut left = load(simd, &sorted[0]);
     let mut least = infinite;
     for i in 1..COUNT {
-        let cost = half_areas(&left) * i as f32 + costs[i];
+        let cost = half_areas(&left) * blocks.of(i as f32) + costs[i];
         // Only between two bins.
         costs[i] = bins[i - 1].simd_lt(bins[i]).select(cost, infinite);
         least = costs[i].simd_lt(least).select(costs[i], least);

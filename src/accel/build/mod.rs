@@ -160,7 +160,8 @@ fn build_wide<const N: usize>(
             let mut arrays = sweep::SweepArrays::sorted(&boxes);
             task.check()?;
             clock.finish("prepare");
-            top_down::build(arrays.order(&boxes), &sweep::Sweep, config, task, clock)
+            let splitter = sweep::Sweep(bound::BlockCount::new(config.block));
+            top_down::build(arrays.order(&boxes), &splitter, config, task, clock)
         }
         Input::Refs(mut refs) => {
             clock.finish("prepare");

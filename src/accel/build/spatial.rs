@@ -12,7 +12,7 @@ use crate::task::{Cancelled, Task};
 
 use super::Shapes;
 use super::binned::Binned;
-use super::bound::Bound;
+use super::bound::{BlockCount, Bound};
 use super::order::{BuildRef, Order, RefSlice};
 use super::top_down::{CHECK_MIN, Splitter, fits_depth, pays};
 
@@ -32,6 +32,7 @@ struct Context<'a, B: ?Sized> {
     binned: Binned<'a>,
     config: &'a BuildConfig,
     task: &'a Task,
+    blocks: BlockCount,
     /// Half area of an overlap from which on spatial splits are tried.
     overlap_min: f32,
 }
@@ -101,6 +102,7 @@ pub fn build<B: Shapes + ?Sized>(
         binned: Binned::new(config, task),
         config,
         task,
+        blocks: BlockCount::new(config.block),
         overlap_min: bounds.half_area() * OVERLAP_MIN,
     };
     let budget = most_refs(refs.len()) - refs.len();
@@ -242,7 +244,8 @@ impl<B: Shapes + ?Sized> Context<'_, B> {
                 if left.1 == 0 || right.1 == 0 {
                     continue;
                 }
-                let cost = left.1 as f32 * left.0.half_area() + right.1 as f32 * right.0.half_area();
+                let cost = self.blocks.of(left.1 as f32) * left.0.half_area()
+                    + self.blocks.of(right.1 as f32) * right.0.half_area();
                 if cheapest.is_none_or(|c| cost < c.cost) {
                     let ((left, left_count), (right, right_count)) = (left, right);
                     cheapest = Some(Cut { cost, axis, at: plane(i), left, right, left_count, right_count });
@@ -286,9 +289,12 @@ impl<B: Shapes + ?Sized> Context<'_, B> {
                     // Unsplitting: whole on the left, whole on the right, or cut.
                     let (grown_left, grown_right) = (left_box.union(r.bound), right_box.union(r.bound));
                     let (area_left, area_right) = (left_box.half_area(), right_box.half_area());
-                    let cut_cost = area_left * left_count + area_right * right_count;
-                    let cost_left = grown_left.half_area() * left_count + area_right * (right_count - 1.0);
-                    let cost_right = area_left * (left_count - 1.0) + grown_right.half_area() * right_count;
+                    let (on_left, on_right) = (self.blocks.of(left_count), self.blocks.of(right_count));
+                    let cut_cost = area_left * on_left + area_right * on_right;
+                    let fewer_right = self.blocks.of(right_count - 1.0);
+                    let cost_left = grown_left.half_area() * on_left + area_right * fewer_right;
+                    let fewer_left = self.blocks.of(left_count - 1.0);
+                    let cost_right = area_left * fewer_left + grown_right.half_area() * on_right;
                     if cost_left < cut_cost && cost_left <= cost_right {
                         left_box = grown_left;
                         right_count -= 1.0;

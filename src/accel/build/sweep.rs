@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::geometry::Aabb;
 
-use super::bound::Bound;
+use super::bound::{BlockCount, Bound};
 use super::order::{Order, PARALLEL_MIN, check_box};
 use super::top_down::{Split, Splitter};
 
@@ -83,7 +83,7 @@ pub struct SweepOrder<'a> {
 
 impl SweepOrder<'_> {
     /// The best split along one axis: `(cost, references on the left)`; the first of equally good ones.
-    fn sweep_axis(&mut self, axis: usize) -> (f32, usize) {
+    fn sweep_axis(&mut self, axis: usize, blocks: BlockCount) -> (f32, usize) {
         let sorted = &*self.sorted[axis];
         let count = sorted.len();
         let mut right = Aabb::EMPTY;
@@ -95,7 +95,7 @@ impl SweepOrder<'_> {
         let mut best = (f32::INFINITY, 0);
         for i in 1..count {
             left = left.union(self.boxes[sorted[i - 1] as usize]);
-            let cost = left.half_area() * i as f32 + self.areas[i] * (count - i) as f32;
+            let cost = left.half_area() * blocks.of(i as f32) + self.areas[i] * blocks.of((count - i) as f32);
             if cost < best.0 {
                 best = (cost, i);
             }
@@ -166,7 +166,7 @@ impl Order for SweepOrder<'_> {
 }
 
 /// The full sweep. An axis along which all centroids are equal is skipped.
-pub struct Sweep;
+pub struct Sweep(pub BlockCount);
 
 /// The first `position` references along `axis` go to the left.
 #[derive(Clone, Copy, Debug)]
@@ -188,7 +188,7 @@ impl Splitter<SweepOrder<'_>> for Sweep {
             if first == last {
                 continue;
             }
-            let (cost, position) = order.sweep_axis(axis);
+            let (cost, position) = order.sweep_axis(axis, self.0);
             if position > 0 && best.is_none_or(|b| cost < b.0) {
                 best = Some((cost, SortedSplit { axis, position }));
             }

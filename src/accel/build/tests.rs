@@ -6,7 +6,7 @@ use rand_pcg::Pcg32;
 
 use super::bound::Bound;
 use super::*;
-use crate::accel::config::{StopRule, Widen};
+use crate::accel::config::{Block, StopRule, Widen};
 use crate::accel::quality::TreeFigures;
 use crate::accel::tree::{Bvh2, Bvh2Node};
 use crate::accel::validate::validate;
@@ -69,7 +69,9 @@ fn every_config() -> Vec<BuildConfig> {
         for width in Width::ALL {
             for widen in Widen::ALL {
                 for stop in StopRule::ALL {
-                    for (leaf, bins) in [(1, 16), (2, 2), (5, 256), (64, 33)] {
+                    for (leaf, bins, block) in
+                        [(1, 16, Block::B1), (2, 2, Block::B2), (5, 256, Block::B4), (64, 33, Block::B8)]
+                    {
                         configs.push(BuildConfig {
                             builder,
                             width,
@@ -77,6 +79,7 @@ fn every_config() -> Vec<BuildConfig> {
                             stop,
                             leaf,
                             bins,
+                            block,
                             ..BuildConfig::default()
                         });
                     }
@@ -127,9 +130,11 @@ fn the_tree_is_the_same_at_any_number_of_threads() {
 }
 
 /// The least split cost over all positions on all axes, by trying each.
-fn least_split_cost(boxes: &[Aabb]) -> f32 {
-    let union =
-        |part: &[Aabb]| part.iter().fold(Aabb::EMPTY, |a, b| a.union(*b)).half_area() * part.len() as f32;
+fn least_split_cost(boxes: &[Aabb], block: Block) -> f32 {
+    let union = |part: &[Aabb]| {
+        let bounds = part.iter().fold(Aabb::EMPTY, |a, b| a.union(*b));
+        bounds.half_area() * block.count(part.len()) as f32
+    };
     let mut least = f32::INFINITY;
     for axis in 0..3 {
         let mut sorted = boxes.to_vec();
@@ -143,21 +148,35 @@ fn least_split_cost(boxes: &[Aabb]) -> f32 {
 
 #[test]
 fn the_sweep_finds_the_best_split_at_the_root() {
-    for count in [2, 3, 10, 60] {
+    let cases = [2, 3, 10, 60].into_iter().flat_map(|count| Block::ALL.map(|block| (count, block)));
+    for (count, block) in cases {
         let boxes = random_boxes(count, 5.0, 2.0);
-        let config = BuildConfig { builder: Builder::Sweep, leaf: 1, ..BuildConfig::default() };
+        let config = BuildConfig { builder: Builder::Sweep, leaf: 1, block, ..BuildConfig::default() };
         let tree = tree(&boxes, &config);
         let mut cost = 0.0;
         tree.walk(|view| {
             if view.depth == 1 {
                 let mut below = 0;
                 count_below(&tree, view.id, &mut below);
-                cost += view.bounds.half_area() * below as f32;
+                cost += view.bounds.half_area() * block.count(below) as f32;
             }
             view.depth < 1
         });
-        let least = least_split_cost(&boxes);
-        assert!((cost - least).abs() <= 1e-4 * least, "{count} boxes: {cost} against {least}");
+        let least = least_split_cost(&boxes, block);
+        assert!((cost - least).abs() <= 1e-4 * least, "{count} boxes, {block:?}: {cost} against {least}");
+    }
+}
+
+#[test]
+fn counting_blocks_fills_leaves() {
+    let boxes = random_boxes(4000, 10.0, 0.5);
+    for builder in [Builder::Sweep, Builder::Binned] {
+        let leaves = |block| {
+            let config = BuildConfig { builder, leaf: 4, block, ..BuildConfig::default() };
+            tree(&boxes, &config).leaf_count()
+        };
+        let [one, four] = [leaves(Block::B1), leaves(Block::B4)];
+        assert!(four * 10 < one * 9, "{builder:?}: {one} leaves by shapes, {four} by blocks");
     }
 }
 
@@ -190,7 +209,9 @@ fn searches_among_few_references_give_the_dense_answer() {
                 let task = Task::new();
                 let at = |shape: u32| boxes[seed + shape as usize];
                 let mut refs = build_refs(count, at, &task).expect("not cancelled");
-                let splitter = binned::Binned::new(&BuildConfig { bins, ..BuildConfig::default() }, &task);
+                let block = Block::ALL[seed % Block::ALL.len()];
+                let config = BuildConfig { bins, block, ..BuildConfig::default() };
+                let splitter = binned::Binned::new(&config, &task);
                 let found = splitter.find(&mut RefSlice::new(&mut refs), &Bound::EMPTY);
                 let dense = splitter.find_dense_for_tests(&refs);
                 let told = |split: top_down::Split<binned::BinPlane>| {

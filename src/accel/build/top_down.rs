@@ -301,7 +301,7 @@ fn placed<const N: usize, O: Order, P>(
 /// Whether a split lowers the SAH cost below that of a leaf; areas as half areas.
 pub(super) fn pays(config: &BuildConfig, count: usize, bounds: &Bound, split_cost: f32) -> bool {
     let area = bounds.half_area();
-    let leaf_cost = config.intersection_cost * count as f32 * area;
+    let leaf_cost = config.intersection_cost * config.block.count(count) as f32 * area;
     leaf_cost > config.traversal_cost * area + config.intersection_cost * split_cost
 }
 

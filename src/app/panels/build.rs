@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use egui::{DragValue, Frame, Label, Margin, RichText, Ui};
 
-use crate::accel::{BuildConfig, Builder, StopRule, Widen, Width};
+use crate::accel::{Block, BuildConfig, Builder, StopRule, Widen, Width};
 use crate::app::commands::{Command, Commands};
 use crate::app::view::{AppView, HistoryEntry};
 use crate::inspect::columns::Better;
@@ -86,6 +86,14 @@ fn choices(ui: &mut Ui, config: &BuildConfig, commands: &mut Commands) {
         }
     }
     let median = config.builder == Builder::Median;
+    let describe = |b: Block| (b.name(), b.description());
+    let block = ui.add_enabled_ui(!median, |ui| {
+        widgets::segmented(ui, Term::Block, Some(config.block), &Block::ALL, &describe)
+    });
+    block.response.on_disabled_hover_text("The median builder looks at no cost.");
+    if let Some(block) = block.inner {
+        commands.edit(move |s| s.build_mut().block = block);
+    }
     let describe = |r: StopRule| (r.name(), r.description());
     let shown = if median { StopRule::Limit } else { config.stop };
     let stop = ui.add_enabled_ui(!median, |ui| {
@@ -135,6 +143,9 @@ pub fn summary(config: &BuildConfig) -> String {
         text += &format!(" {}", config.bins);
     }
     text += &format!(" · leaf {}", config.leaf);
+    if config.block != Block::default() {
+        text += &format!(" · blocks of {}", config.block.name());
+    }
     if config.width != Width::W2 {
         text += &format!(" · width {} {}", config.width.name(), config.widen.name());
     }

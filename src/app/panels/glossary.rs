@@ -54,6 +54,7 @@ glossary! {
     // Build
     Builder "Builder" "How splits are found."
     Width "Width" "How many children a node has at most."
+    Block "Blocks" "How many shapes count as one in the split cost, rounded up; 4 are tested at once."
     Widen "Wide nodes" "How nodes of width 4 and 8 are made: directly by several splits at once, or from the finished binary tree."
     Stop "Stop rule" "When a node becomes a leaf."
     Bins "Bins" "The builders binned and spatial sort shapes' centroids into this many bins an axis, and look for splits only between bins."
