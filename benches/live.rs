@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use bvhscope::accel::{Block, BuildConfig, Widen, Width};
+use bvhscope::accel::{BuildConfig, Widen, Width};
 use bvhscope::render::film::{Film, FilmSubject};
 use bvhscope::render::integrate::render;
 use bvhscope::render::{CountKind, RenderSettings, View};
@@ -19,10 +19,7 @@ fn live(criterion: &mut Criterion) {
     let defaults = BuildConfig::default();
     let configs = [
         ("default", defaults),
-        (
-            "8-wide",
-            BuildConfig { width: Width::W8, leaf: 4, widen: Widen::Collapse, block: Block::B4, ..defaults },
-        ),
+        ("8-wide", BuildConfig { width: Width::W8, leaf: 4, widen: Widen::Collapse, ..defaults }),
     ];
     for (name, config) in configs {
         let mut group = criterion.benchmark_group(format!("live {name}"));

@@ -6,6 +6,7 @@ use fearless_simd::{Simd, f32x8, f64x4, mask32x8, prelude::*};
 use super::best::Best;
 use super::block::{Bounded, Passed, TriangleBlock, bounded};
 use super::store::{PrimStore, Stored};
+use crate::accel::simd::Instructions;
 use crate::accel::traverse::packet::{GROUP, Lanes, PACKET, PacketLanes, PacketLeaves, PacketProbe, Rays};
 use crate::geometry::quad::{EDGE, FlatQuad};
 use crate::geometry::triangle::{edges, shear};
@@ -237,6 +238,52 @@ impl PrimStore {
                 }
             }
         }
+    }
+
+    /// What a leaf holds beside its first block.
+    #[inline(always)]
+    fn rest_nearest<'a, S: Simd>(
+        &'a self,
+        simd: S,
+        leaf_idx: u32,
+        packet: &PacketLanes,
+        rays: Rays,
+        best: &mut PacketBest<'a>,
+        probe: &mut PacketProbe,
+    ) {
+        for block in self.further_blocks(leaf_idx) {
+            Self::block_nearest(simd, block, packet, rays, best, probe);
+        }
+        let others = self.others(leaf_idx);
+        singles_nearest(simd, others.spheres, Sphere::intersect_in, packet, rays, best, probe);
+        singles_nearest(simd, others.cuboids, Cuboid::intersect_in, packet, rays, best, probe);
+        quads_nearest(simd, others.quads, packet, rays, best, probe);
+        singles_nearest(simd, others.tori, Torus::intersect_in, packet, rays, best, probe);
+    }
+
+    /// Adds the rays to `stopped` that what a leaf holds beside its first block stops.
+    #[inline(always)]
+    fn rest_stops<S: Simd>(
+        &self,
+        simd: S,
+        leaf_idx: u32,
+        (packet, rays): (&PacketLanes, Rays),
+        stopped: &mut Rays,
+        blocks: &impl Fn(u32) -> bool,
+        probe: &mut PacketProbe,
+    ) {
+        for block in self.further_blocks(leaf_idx) {
+            let left = rays.without(*stopped);
+            if left.is_empty() {
+                return;
+            }
+            *stopped = stopped.or(Self::block_stops(simd, block, packet, left, blocks, probe));
+        }
+        let others = self.others(leaf_idx);
+        singles_stop(simd, others.spheres, Sphere::intersect_in, (packet, rays), stopped, blocks, probe);
+        singles_stop(simd, others.cuboids, Cuboid::intersect_in, (packet, rays), stopped, blocks, probe);
+        quads_stop(simd, others.quads, (packet, rays), stopped, blocks, probe);
+        singles_stop(simd, others.tori, Torus::intersect_in, (packet, rays), stopped, blocks, probe);
     }
 
     /// Which rays a triangle of a block stops.
@@ -524,7 +571,7 @@ impl PacketLeaves for PrimStore {
     }
 
     #[inline(always)]
-    fn intersect_packet<'a, S: Simd>(
+    fn intersect_packet<'a, S: Instructions>(
         &'a self,
         simd: S,
         leaf_idx: u32,
@@ -536,19 +583,15 @@ impl PacketLeaves for PrimStore {
         let block = self.block(leaf_idx);
         Self::block_nearest(simd, block, packet, rays, best, probe);
         if block.goes_on() {
-            for block in self.further_blocks(leaf_idx) {
-                Self::block_nearest(simd, block, packet, rays, best, probe);
-            }
-            let others = self.others(leaf_idx);
-            singles_nearest(simd, others.spheres, Sphere::intersect_in, packet, rays, best, probe);
-            singles_nearest(simd, others.cuboids, Cuboid::intersect_in, packet, rays, best, probe);
-            quads_nearest(simd, others.quads, packet, rays, best, probe);
-            singles_nearest(simd, others.tori, Torus::intersect_in, packet, rays, best, probe);
+            simd.apart(
+                #[inline(always)]
+                || self.rest_nearest(simd, leaf_idx, packet, rays, best, probe),
+            );
         }
     }
 
     #[inline(always)]
-    fn occluded_packet<S: Simd>(
+    fn occluded_packet<S: Instructions>(
         &self,
         simd: S,
         leaf_idx: u32,
@@ -560,34 +603,10 @@ impl PacketLeaves for PrimStore {
         let block = self.block(leaf_idx);
         let mut stopped = Self::block_stops(simd, block, packet, rays, blocks, probe);
         if block.goes_on() {
-            for block in self.further_blocks(leaf_idx) {
-                let left = rays.without(stopped);
-                if left.is_empty() {
-                    return stopped;
-                }
-                stopped = stopped.or(Self::block_stops(simd, block, packet, left, blocks, probe));
-            }
-            let others = self.others(leaf_idx);
-            singles_stop(
-                simd,
-                others.spheres,
-                Sphere::intersect_in,
-                (packet, rays),
-                &mut stopped,
-                blocks,
-                probe,
+            simd.apart(
+                #[inline(always)]
+                || self.rest_stops(simd, leaf_idx, (packet, rays), &mut stopped, blocks, probe),
             );
-            singles_stop(
-                simd,
-                others.cuboids,
-                Cuboid::intersect_in,
-                (packet, rays),
-                &mut stopped,
-                blocks,
-                probe,
-            );
-            quads_stop(simd, others.quads, (packet, rays), &mut stopped, blocks, probe);
-            singles_stop(simd, others.tori, Torus::intersect_in, (packet, rays), &mut stopped, blocks, probe);
         }
         stopped
     }

@@ -60,7 +60,7 @@ pub trait PacketLeaves: LeafIntersector {
         Self: 'a;
 
     /// Tests every shape of the leaf against `rays` and keeps the nearest hits, as [`LeafIntersector::intersect`] does.
-    fn intersect_packet<'a, S: Simd>(
+    fn intersect_packet<'a, S: Instructions>(
         &'a self,
         simd: S,
         leaf_idx: u32,
@@ -71,7 +71,7 @@ pub trait PacketLeaves: LeafIntersector {
     );
 
     /// Which of `rays` hit a shape of the leaf that `blocks` says stops them.
-    fn occluded_packet<S: Simd>(
+    fn occluded_packet<S: Instructions>(
         &self,
         simd: S,
         leaf_idx: u32,
@@ -87,7 +87,7 @@ trait Query<'l, L: PacketLeaves> {
     fn t_max(&self) -> &Lanes;
 
     /// Tests a leaf; answers which rays are done.
-    fn leaf<S: Simd>(
+    fn leaf<S: Instructions>(
         &mut self,
         simd: S,
         leaf_idx: u32,
@@ -122,7 +122,7 @@ impl<'l, L: PacketLeaves> Query<'l, L> for Nearest<'_, 'l, L> {
     }
 
     #[inline(always)]
-    fn leaf<S: Simd>(
+    fn leaf<S: Instructions>(
         &mut self,
         simd: S,
         leaf_idx: u32,
@@ -169,7 +169,7 @@ impl<'l, L: PacketLeaves, F: Fn(u32) -> bool> Query<'l, L> for Any<'_, F> {
     }
 
     #[inline(always)]
-    fn leaf<S: Simd>(
+    fn leaf<S: Instructions>(
         &mut self,
         simd: S,
         leaf_idx: u32,
