@@ -16,8 +16,8 @@ const PAUSE: u32 = 15;
 /// The weight of the last packet in that average.
 const SHARE: f32 = 0.25;
 
-/// Traces rays in packets, best if each [`PACKET`] of them that follow each other are neighbours in a picture. Rays that are not
-/// coherent are traced one by one. Keeps what it needs from packet to packet: one for a thread.
+/// Traces rays in packets, best if each [`PACKET`] of them that follow each other are neighbours in a picture. Rays that
+/// are not coherent are traced one by one. Keeps what it needs from packet to packet: one for a thread.
 #[derive(Debug)]
 pub struct Packets<'w> {
     world: &'w World,
