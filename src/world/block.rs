@@ -67,20 +67,58 @@ impl<'a, S: Simd> LaneRay<'a, S> {
     }
 }
 
-/// The lanes whose triangles may be hit in an interval.
+/// The lanes that may be hit in an interval: those of four triangles that a ray tests, or of eight rays that a triangle
+/// tests.
 #[derive(Clone, Copy, Debug)]
-pub struct Candidates<S: Simd> {
-    sheared: Sheared<f32x4<S>>,
-    edges: [f32x4<S>; 3],
+pub struct Candidates<V> {
+    sheared: Sheared<V>,
+    pub edges: [V; 3],
     /// Bit i for lane i.
-    lanes: u32,
+    pub lanes: u32,
     /// Those of them that are hit in the interval for sure: what confirms a hit would not say otherwise.
-    sure: u32,
+    pub sure: u32,
     /// Those of them that are hit behind `t_min` for sure, if at all in time.
-    inside: u32,
+    pub inside: u32,
     /// The distance of each, which is known to lie strictly between these.
-    lower: f32x4<S>,
-    upper: f32x4<S>,
+    pub lower: V,
+    pub upper: V,
+}
+
+impl<V> Candidates<V> {
+    /// The lanes that pass the edge test and may be hit between `t_min` and `t_max`. Corners and origin are in the ray's
+    /// permuted axes, `shear` is that of [`PreparedRay`].
+    #[inline(always)]
+    pub fn new<S: Simd>(
+        simd: S,
+        corners: [[V; 3]; 3],
+        origin: [V; 3],
+        shear_by: [V; 3],
+        [t_min, t_max]: [V; 2],
+    ) -> Self
+    where
+        V: SimdFloat<S, Element = f32>,
+    {
+        let [shear_x, shear_y, inv_depth] = shear_by;
+        let sheared = shear(corners, origin, [shear_x, shear_y]);
+        let edges = edges(sheared);
+        let zero = V::simd_from(simd, 0.0);
+        let left = edges[0].simd_ge(zero) & edges[1].simd_ge(zero) & edges[2].simd_ge(zero);
+        let right = edges[0].simd_le(zero) & edges[1].simd_le(zero) & edges[2].simd_le(zero);
+        let lanes = (left | right).to_bitmask() as u32;
+        if lanes == 0 {
+            return Self { sheared, edges, lanes, sure: 0, inside: 0, lower: zero, upper: zero };
+        }
+        let [a, b, c] = corners;
+        let depths = [a[2] - origin[2], b[2] - origin[2], c[2] - origin[2]];
+        let Bounded { known, inside, lower, upper } = bounded(simd, sheared, edges, depths, inv_depth);
+        // A NaN says nothing.
+        let outside = known & (upper.simd_lt(t_min) | lower.simd_gt(t_max));
+        let inside = inside & lower.simd_gt(t_min);
+        let sure = inside & upper.simd_lt(t_max);
+        let lanes = lanes & !outside.to_bitmask() as u32;
+        let (inside, sure) = (lanes & inside.to_bitmask() as u32, lanes & sure.to_bitmask() as u32);
+        Self { sheared, edges, lanes, sure, inside, lower, upper }
+    }
 }
 
 impl TriangleBlock {
@@ -141,39 +179,20 @@ impl TriangleBlock {
 
     /// The lanes that pass the edge test and may be hit between the ray's `t_min` and `t_max`.
     #[inline(always)]
-    pub fn candidates<S: Simd>(&self, ray: &LaneRay<S>, t_max: f32) -> Candidates<S> {
+    pub fn candidates<S: Simd>(&self, ray: &LaneRay<S>, t_max: f32) -> Candidates<f32x4<S>> {
         let simd = ray.simd;
         let [a, b, c] = &self.corners;
         let corners = [load(ray, a), load(ray, b), load(ray, c)];
-        let sheared = shear(corners, ray.origin, ray.shear);
-        let edges = edges(sheared);
-        let zero = spread(simd, 0.0);
-        let left = edges[0].simd_ge(zero) & edges[1].simd_ge(zero) & edges[2].simd_ge(zero);
-        let right = edges[0].simd_le(zero) & edges[1].simd_le(zero) & edges[2].simd_le(zero);
-        let lanes = (left | right).to_bitmask() as u32;
-        if lanes == 0 {
-            let (lower, upper) = (zero, zero);
-            return Candidates { sheared, edges, lanes, sure: 0, inside: 0, lower, upper };
-        }
-        let [a, b, c] = corners;
-        let depths = [a[2] - ray.origin[2], b[2] - ray.origin[2], c[2] - ray.origin[2]];
-        let Bounded { known, inside, lower, upper } =
-            bounded(simd, sheared, edges, depths, spread(simd, ray.ray.shear[2]));
-        let (t_min, t_max) = (spread(simd, ray.ray.ray.t_min), spread(simd, t_max));
-        // A NaN says nothing.
-        let outside = known & (upper.simd_lt(t_min) | lower.simd_gt(t_max));
-        let inside = inside & lower.simd_gt(t_min);
-        let sure = inside & upper.simd_lt(t_max);
-        let lanes = lanes & !outside.to_bitmask() as u32;
-        let (inside, sure) = (lanes & inside.to_bitmask() as u32, lanes & sure.to_bitmask() as u32);
-        Candidates { sheared, edges, lanes, sure, inside, lower, upper }
+        let inv_depth = spread(simd, ray.ray.shear[2]);
+        let interval = [spread(simd, ray.t_min()), spread(simd, t_max)];
+        Candidates::new(simd, corners, ray.origin, [ray.shear[0], ray.shear[1], inv_depth], interval)
     }
 
     /// The hit of a lane that is a candidate.
     #[inline(always)]
     pub fn confirm<S: Simd>(
         &self,
-        candidates: &Candidates<S>,
+        candidates: &Candidates<f32x4<S>>,
         lane: usize,
         ray: &LaneRay<S>,
         t_min: f32,
@@ -207,13 +226,13 @@ fn most<S: Simd, V: SimdFloat<S, Element = f32>>([a, b, c]: [V; 3]) -> V {
 const MOST_DET_ERROR: f32 = 0.0625;
 
 /// What rounding errors leave no doubt about.
-pub(super) struct Bounded<S: Simd, V: SimdFloat<S>> {
+struct Bounded<S: Simd, V: SimdFloat<S>> {
     /// Lanes with a distance between `lower` and `upper`, both not reached.
-    pub known: V::Mask,
+    known: V::Mask,
     /// Those of them that the ray passes through, away from the edges.
-    pub inside: V::Mask,
-    pub lower: V,
-    pub upper: V,
+    inside: V::Mask,
+    lower: V,
+    upper: V,
 }
 
 /// Bounds the distances by single precision arithmetic.
@@ -221,7 +240,7 @@ pub(super) struct Bounded<S: Simd, V: SimdFloat<S>> {
 /// The bounds are those of Pharr, Jakob and Humphreys, "Physically Based Rendering", third edition, 3.9.6, to which the
 /// error of the determinant is added, and all of it doubled.
 #[inline(always)]
-pub(super) fn bounded<S: Simd, V: SimdFloat<S, Element = f32>>(
+fn bounded<S: Simd, V: SimdFloat<S, Element = f32>>(
     simd: S,
     sheared: Sheared<V>,
     edges: [V; 3],
@@ -249,7 +268,7 @@ pub(super) fn bounded<S: Simd, V: SimdFloat<S, Element = f32>>(
     Bounded { known, inside, lower: t - error, upper: t + error }
 }
 
-impl<S: Simd> Candidates<S> {
+impl<S: Simd> Candidates<f32x4<S>> {
     /// Whether a lane is hit between the ray's `t_min` and the `t_max` that was asked for, without confirming it.
     #[inline(always)]
     pub fn is_sure(&self, lane: usize) -> bool {

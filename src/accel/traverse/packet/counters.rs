@@ -1,7 +1,7 @@
 //! What each ray of a packet meets, counted for many rays at once.
 
 use super::super::RayCounters;
-use super::lanes::Rays;
+use super::rays::Rays;
 
 /// A counter of each ray, as planes of bits: one is added to many rays by a few operations.
 #[derive(Clone, Debug)]

@@ -9,6 +9,8 @@
 
 mod counters;
 mod lanes;
+mod query;
+mod rays;
 
 use fearless_simd::prelude::*;
 
@@ -19,13 +21,16 @@ use crate::geometry::Ray;
 use crate::{at_level, each_width};
 
 use super::boxes::BoxLanes;
-use super::{LeafIntersector, RayCounters, Start, walk_below};
+use super::{RayCounters, Start};
 
 pub use counters::{PacketCounters, PacketProbe};
 pub(super) use lanes::Interval;
-pub use lanes::{GROUP, Lanes, PACKET, PacketLanes, Rays};
+pub use lanes::PacketLanes;
+pub use query::PacketLeaves;
+pub use rays::{GROUP, Lanes, PACKET, Rays};
 
 use lanes::Classes;
+use query::{Alone, Any, Nearest, Query};
 
 /// With fewer rays of one class a packet gains nothing.
 const FEWEST: u32 = 4;
@@ -38,172 +43,6 @@ const MAX_WIDTH: usize = 8;
 
 /// Enough for eight children a node at the greatest depth; packets that part ways may leave more behind.
 const USUAL_STACK: usize = MAX_WIDTH * (BuildConfig::MAX_DEPTH + 1);
-
-/// What lies in the leaves, tested against the rays of a packet.
-pub trait PacketLeaves: LeafIntersector {
-    /// What is known of the nearest hit of each ray.
-    type Bests<'a>
-    where
-        Self: 'a;
-
-    /// Nothing behind these can be the nearest hits.
-    fn ends<'b>(bests: &'b Self::Bests<'_>) -> &'b Lanes;
-
-    /// What is known for one of the rays.
-    fn take_out<'a>(bests: &Self::Bests<'a>, ray: usize) -> Self::Best<'a>
-    where
-        Self: 'a;
-
-    /// Puts it back when the ray has walked alone for a while.
-    fn put_back<'a>(bests: &mut Self::Bests<'a>, ray: usize, best: Self::Best<'a>)
-    where
-        Self: 'a;
-
-    /// Tests every shape of the leaf against `rays` and keeps the nearest hits, as [`LeafIntersector::intersect`] does.
-    fn intersect_packet<'a, S: Instructions>(
-        &'a self,
-        simd: S,
-        leaf_idx: u32,
-        packet: &PacketLanes,
-        rays: Rays,
-        bests: &mut Self::Bests<'a>,
-        probe: &mut PacketProbe,
-    );
-
-    /// Which of `rays` hit a shape of the leaf that `blocks` says stops them.
-    fn occluded_packet<S: Instructions>(
-        &self,
-        simd: S,
-        leaf_idx: u32,
-        packet: &PacketLanes,
-        rays: Rays,
-        blocks: &impl Fn(u32) -> bool,
-        probe: &mut PacketProbe,
-    ) -> Rays;
-}
-
-/// What a packet is after.
-trait Query<'l, L: PacketLeaves> {
-    fn t_max(&self) -> &Lanes;
-
-    /// Tests a leaf; answers which rays are done.
-    fn leaf<S: Instructions>(
-        &mut self,
-        simd: S,
-        leaf_idx: u32,
-        leaves: &'l L,
-        packet: &PacketLanes,
-        rays: Rays,
-        probe: &mut PacketProbe,
-    ) -> Rays;
-
-    /// Walks on with one ray from a node that it enters; answers whether it is done.
-    fn alone<S: Instructions, const N: usize>(
-        &mut self,
-        simd: S,
-        bvh: &WideBvh<N>,
-        start: Start,
-        leaves: &'l L,
-        ray: usize,
-        alone: &mut Alone,
-    ) -> bool
-    where
-        WideNode<N>: BoxLanes<S, N>;
-}
-
-struct Nearest<'b, 'l, L: PacketLeaves + 'l> {
-    bests: &'b mut L::Bests<'l>,
-}
-
-impl<'l, L: PacketLeaves> Query<'l, L> for Nearest<'_, 'l, L> {
-    #[inline(always)]
-    fn t_max(&self) -> &Lanes {
-        L::ends(self.bests)
-    }
-
-    #[inline(always)]
-    fn leaf<S: Instructions>(
-        &mut self,
-        simd: S,
-        leaf_idx: u32,
-        leaves: &'l L,
-        packet: &PacketLanes,
-        rays: Rays,
-        probe: &mut PacketProbe,
-    ) -> Rays {
-        leaves.intersect_packet(simd, leaf_idx, packet, rays, self.bests, probe);
-        Rays::NONE
-    }
-
-    #[inline(always)]
-    fn alone<S: Instructions, const N: usize>(
-        &mut self,
-        simd: S,
-        bvh: &WideBvh<N>,
-        start: Start,
-        leaves: &'l L,
-        ray: usize,
-        alone: &mut Alone,
-    ) -> bool
-    where
-        WideNode<N>: BoxLanes<S, N>,
-    {
-        let mut best = L::take_out(self.bests, ray);
-        let mut query = super::Nearest::<L> { best: &mut best };
-        walk_below(simd, bvh, start, leaves, &mut query, &mut alone.counters, &mut alone.full);
-        L::put_back(self.bests, ray, best);
-        false
-    }
-}
-
-struct Any<'a, F> {
-    t_max: Lanes,
-    blocks: &'a F,
-    stopped: Rays,
-}
-
-impl<'l, L: PacketLeaves, F: Fn(u32) -> bool> Query<'l, L> for Any<'_, F> {
-    #[inline(always)]
-    fn t_max(&self) -> &Lanes {
-        &self.t_max
-    }
-
-    #[inline(always)]
-    fn leaf<S: Instructions>(
-        &mut self,
-        simd: S,
-        leaf_idx: u32,
-        leaves: &'l L,
-        packet: &PacketLanes,
-        rays: Rays,
-        probe: &mut PacketProbe,
-    ) -> Rays {
-        let stopped = leaves.occluded_packet(simd, leaf_idx, packet, rays, self.blocks, probe);
-        self.stopped = self.stopped.or(stopped);
-        stopped
-    }
-
-    #[inline(always)]
-    fn alone<S: Instructions, const N: usize>(
-        &mut self,
-        simd: S,
-        bvh: &WideBvh<N>,
-        start: Start,
-        leaves: &'l L,
-        ray: usize,
-        alone: &mut Alone,
-    ) -> bool
-    where
-        WideNode<N>: BoxLanes<S, N>,
-    {
-        let mut query = super::Any { t_max: self.t_max.get(ray), blocks: self.blocks, found: None };
-        walk_below(simd, bvh, start, leaves, &mut query, &mut alone.counters, &mut alone.full);
-        if query.found.is_some() {
-            self.stopped = self.stopped.or(Rays::one(ray));
-        }
-        query.found.is_some()
-    }
-}
 
 /// A node that waits for some rays.
 #[derive(Clone, Copy, Debug)]
@@ -221,13 +60,6 @@ struct Waiting {
 impl Waiting {
     const NONE: Self =
         Self { child: ChildRef::EMPTY, parent: 0, slot: 0, near: f32::INFINITY, rays: Rays::NONE };
-}
-
-/// What a ray needs that goes on alone.
-#[derive(Clone, Debug, Default)]
-struct Alone {
-    counters: RayCounters,
-    full: Vec<super::Waiting>,
 }
 
 /// Nodes that wait, the next on top, and what else a walk needs.
