@@ -1,6 +1,8 @@
 //! The line at the bottom, and the messages above it.
 
-use egui::{Button, Frame, Label, Layout, Margin, ProgressBar, RichText, Stroke, Ui};
+use egui::{
+    Align, Button, Frame, Label, Layout, Margin, ProgressBar, RichText, Stroke, TextWrapMode, Ui, vec2,
+};
 
 use super::commands::{Command, Commands};
 use super::jobs::overlay::grouped;
@@ -15,31 +17,39 @@ const MESSAGE_WIDTH: f32 = 720.0;
 const DISMISS_WIDTH: f32 = 76.0;
 const ABOVE_STATUS: f32 = 38.0;
 
-/// What is open, and what is being done.
+/// What is open, and what is being done: one row, whatever it says. Were it to grow, the picture above would change its
+/// size, and with it all that is measured at that size.
 pub fn line(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
-    ui.horizontal(|ui| {
-        if let Some(scene) = view.scene {
-            let shapes = if scene.shape_count() == 1 { "shape" } else { "shapes" };
-            ui.label(format!("{}  ·  {} {shapes}", scene.name, grouped(scene.shape_count())));
+    ui.style_mut().wrap_mode = Some(TextWrapMode::Truncate);
+    let row = vec2(ui.available_width(), ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
+        ui.set_min_size(row);
+        let [width, height] = view.render.size;
+        if width > 0 {
+            ui.weak(format!("{width} x {height}"))
+                .on_hover_text("Pixels of the picture, which is coarser while the camera moves.");
         }
-        if let Some(world) = view.world {
-            let figures = &world.figures;
-            let depth = figures.depth_max.map_or_else(String::new, |d| format!(", depth {d}"));
-            let tree = format!("{} nodes{depth}", grouped(figures.node_count));
-            ui.weak(format!("·  {tree}  ·  built in {}", milliseconds(world.report.build_ms)));
-        }
-        ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| {
-            let [width, height] = view.render.size;
-            if width > 0 {
-                ui.weak(format!("{width} x {height}"))
-                    .on_hover_text("Pixels of the picture, which is coarser while the camera moves.");
-            }
-            job(ui, view.loading.as_ref(), "Cancel loading", commands, || Command::CancelLoad);
-            job(ui, view.building.as_ref(), "Cancel building", commands, || Command::CancelBuild);
-            job(ui, view.exporting.as_ref(), "Cancel exporting", commands, || Command::CancelExport);
-            job(ui, view.table.running.as_ref(), "Cancel measuring", commands, || Command::CancelTable);
-        });
+        job(ui, view.loading.as_ref(), "Cancel loading", commands, || Command::CancelLoad);
+        job(ui, view.building.as_ref(), "Cancel building", commands, || Command::CancelBuild);
+        job(ui, view.exporting.as_ref(), "Cancel exporting", commands, || Command::CancelExport);
+        job(ui, view.table.running.as_ref(), "Cancel measuring", commands, || Command::CancelTable);
+        // Last, as what it says can do without its end.
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| open(ui, view));
     });
+}
+
+/// The scene, and its tree.
+fn open(ui: &mut Ui, view: &AppView) {
+    if let Some(scene) = view.scene {
+        let shapes = if scene.shape_count() == 1 { "shape" } else { "shapes" };
+        ui.label(format!("{}  ·  {} {shapes}", scene.name, grouped(scene.shape_count())));
+    }
+    if let Some(world) = view.world {
+        let figures = &world.figures;
+        let depth = figures.depth_max.map_or_else(String::new, |d| format!(", depth {d}"));
+        let tree = format!("{} nodes{depth}", grouped(figures.node_count));
+        ui.weak(format!("·  {tree}  ·  built in {}", milliseconds(world.report.build_ms)));
+    }
 }
 
 /// The messages, newest last, over the lower edge of the window: they must not move what is looked at. An error stays
@@ -83,7 +93,7 @@ fn message_ui(ui: &mut Ui, view: &AppView, message: &Message) -> bool {
                     ui.set_width(room);
                     ui.add(Label::new(text).wrap());
                 });
-                ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| {
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     dismissed = ui.button("Dismiss").clicked();
                 });
             });
@@ -128,6 +138,39 @@ fn milliseconds(ms: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::state::State;
+    use crate::session::Session;
+    use egui_kittest::Harness;
+    use std::time::Duration;
+
+    #[test]
+    fn the_row_is_as_high_when_something_is_being_done() {
+        let mut state = State::new(Session::default(), true);
+        state.viewport = [1280, 720];
+        let height = |state: &State, width: f32| {
+            let mut height = 0.0;
+            let mut harness = Harness::builder().with_size([width, 400.0]).build_ui(|ui| {
+                let row = egui::Panel::bottom("status")
+                    .show(ui, |ui| line(ui, &state.view(), &mut Commands::default()));
+                height = row.response.rect.height();
+            });
+            harness.step();
+            drop(harness);
+            height
+        };
+        let idle = height(&state, 1000.0);
+        for width in [1000.0, 500.0, 240.0, 90.0] {
+            let job = |what: &str, fraction| {
+                Some(JobStatus { what: what.to_owned(), elapsed: Duration::from_secs(12), fraction })
+            };
+            assert_eq!(height(&state, width), idle, "at {width}");
+            state.building = job("building binned, 32 bins", None);
+            assert_eq!(height(&state, width), idle, "building at {width}");
+            state.table.running = job("measuring the five trees", Some(0.3));
+            assert_eq!(height(&state, width), idle, "both at {width}");
+            (state.building, state.table.running) = (None, None);
+        }
+    }
 
     #[test]
     fn times_have_three_digits() {

@@ -1,6 +1,6 @@
 //! The bar below the menus: what is shown, and how the picture is coming on.
 
-use egui::{Button, ComboBox, RichText, Ui};
+use egui::{Align, Button, ComboBox, Layout, RichText, TextWrapMode, Ui, vec2};
 
 use super::commands::{Command, Commands};
 use super::menu::title;
@@ -8,6 +8,11 @@ use super::shortcuts::{show_view, toggle_boxes};
 use super::view::AppView;
 use crate::render::{CountKind, View, ViewClass};
 
+/// Points for the figures and a word beside them.
+const FIGURES_WIDTH: f32 = 400.0;
+
+/// As high whatever its figures say, for the reason that the line at the bottom is: only a change of the window's width
+/// or of what can be set begins another row.
 pub fn ui(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
     ui.horizontal_wrapped(|ui| {
         view_combo(ui, view, commands);
@@ -18,7 +23,12 @@ pub fn ui(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
         ui.separator();
         toggles(ui, view, commands);
         ui.separator();
-        figures(ui, view);
+        let size = vec2(FIGURES_WIDTH.min(ui.max_rect().width()), ui.spacing().interact_size.y);
+        ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+            ui.set_min_size(size);
+            ui.style_mut().wrap_mode = Some(TextWrapMode::Truncate);
+            figures(ui, view);
+        });
     });
 }
 
@@ -65,7 +75,7 @@ fn toggles(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
     let paused = view.render.paused;
     let (text, about) =
         if paused { ("Resume", "Go on rendering (Space)") } else { ("Pause", "Stop rendering (Space)") };
-    if ui.add(Button::new(text).min_size(egui::vec2(64.0, 0.0))).on_hover_text(about).clicked() {
+    if ui.add(Button::new(text).min_size(vec2(64.0, 0.0))).on_hover_text(about).clicked() {
         commands.push(Command::SetPaused(!paused));
     }
     let boxes = view.session.overlay.depths.is_some();
@@ -112,4 +122,43 @@ fn figures(ui: &mut Ui, view: &AppView) {
 fn figure(ui: &mut Ui, text: String, about: &str) {
     ui.label(RichText::new(text).monospace().color(ui.visuals().text_color())).on_hover_text(about);
     ui.add_space(8.0);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::state::State;
+    use crate::session::Session;
+    use egui_kittest::Harness;
+
+    #[test]
+    fn the_bar_is_as_high_whatever_its_figures_say() {
+        let height = |width: f32, change: &dyn Fn(&mut AppView)| {
+            let state = State::new(Session::default(), true);
+            let mut view = state.view();
+            change(&mut view);
+            let mut height = 0.0;
+            let mut harness = Harness::builder().with_size([width, 400.0]).build_ui(|ui| {
+                let bar =
+                    egui::Panel::top("toolbar").show(ui, |ui| super::ui(ui, &view, &mut Commands::default()));
+                height = bar.response.rect.height();
+            });
+            harness.step();
+            drop(harness);
+            height
+        };
+        for width in [1280.0, 1000.0, 900.0, 760.0, 500.0, 300.0] {
+            let idle = height(width, &|_| ());
+            assert_eq!(height(width, &|view| view.render.measuring = true), idle, "measuring at {width}");
+            assert_eq!(height(width, &|view| view.render.paused = true), idle, "paused at {width}");
+            let long = |view: &mut AppView| {
+                view.render.samples = 12_345_678;
+                view.render.goal = Some(100_000_000);
+                view.render.msamples_per_s = Some(1234.5);
+                view.render.sample_ms = Some(1.0e8);
+                view.render.measuring = true;
+            };
+            assert_eq!(height(width, &long), idle, "long figures at {width}");
+        }
+    }
 }
