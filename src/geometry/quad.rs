@@ -54,6 +54,18 @@ impl FlatQuad {
         let v = dot([p[2] * b - p[1] * c, p[0] * c - p[2] * a, p[1] * a - p[0] * b]) * *scale;
         [t, u, v]
     }
+
+    /// [`Quad::intersect_in`].
+    #[inline]
+    pub(crate) fn intersect_in(&self, ray: &PreparedRay, span: &Span) -> Option<ShapeHit> {
+        let (origin, direction) = (ray.ray.origin.as_dvec3(), ray.ray.direction.as_dvec3());
+        let [t, u, v] = self.meet(origin.to_array(), direction.to_array());
+        // A quad without area or a ray along it makes NaN, which is in no range.
+        if !(EDGE.contains(&u) && EDGE.contains(&v)) {
+            return None;
+        }
+        Some(Quad::hit_at(span.place(t)?, u, v))
+    }
 }
 
 /// A parallelogram: corner, and its two edges; the outside is along `edge_u x edge_v`. One without area is never hit.
@@ -91,13 +103,7 @@ impl Quad {
 
     /// The hit in a span of the ray that was made for the quad's own box. The hit's `u` and `v` are the shares of the edges.
     pub fn intersect_in(&self, ray: &PreparedRay, span: &Span) -> Option<ShapeHit> {
-        let (origin, direction) = (ray.ray.origin.as_dvec3(), ray.ray.direction.as_dvec3());
-        let [t, u, v] = self.flat().meet(origin.to_array(), direction.to_array());
-        // A quad without area or a ray along it makes NaN, which is in no range.
-        if !(EDGE.contains(&u) && EDGE.contains(&v)) {
-            return None;
-        }
-        Some(Self::hit_at(span.place(t)?, u, v))
+        self.flat().intersect_in(ray, span)
     }
 
     /// The hit at `t` and at these shares of the edges.
@@ -120,7 +126,7 @@ impl Quad {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn surface(&self, _ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
         let SurfaceSample { position, error, normal, uv } = self.sample(Vec2::new(hit.u, hit.v));
         SurfacePoint { position, error, normal, uv }

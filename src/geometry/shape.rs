@@ -72,7 +72,7 @@ pub struct SurfaceSample {
 /// that `direction` points to, by the error bound and at least to the next number in each component. It lies on that
 /// side of the true surface for certain, and nothing in between is lost (Waechter and Binder, "A Fast and Robust Method
 /// for Avoiding Self-Intersection", 2019, with the bound in place of their constants).
-#[inline]
+#[inline(always)]
 pub fn leave_surface(position: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
     let side = if direction.dot(normal) < 0.0 { -normal } else { normal };
     let offset = side * error.dot(normal.abs());
@@ -93,7 +93,7 @@ impl SurfacePoint {
 impl SurfaceSample {
     /// The ray from `origin` to this point, direction not normalised, whose end lies before this point's own surface
     /// by what rounding may have moved either of them: whatever it hits stands between.
-    #[inline]
+    #[inline(always)]
     pub fn ray_from(&self, origin: Vec3) -> Ray {
         let direction = self.position - origin;
         let spread = (self.error + direction.abs() * f32::EPSILON).dot(self.normal.abs());

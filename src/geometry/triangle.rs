@@ -143,7 +143,7 @@ impl Triangle {
         (b - a).cross(c - a)
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn surface(&self, _ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
         let (position, error) = self.point(hit.u, hit.v);
         SurfacePoint { position, error, normal: self.normal(), uv: Vec2::new(hit.u, hit.v) }

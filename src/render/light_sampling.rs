@@ -177,7 +177,7 @@ impl<'s> LightTable<'s> {
     }
 
     /// The way to a point drawn by area; `None` where the receiver is on its inside.
-    #[inline]
+    #[inline(always)]
     pub fn sample_at(&self, light: &AreaPoint, to: &Surface) -> Option<LightSample> {
         let way = light.point.position - to.position;
         let distance = way.length();
@@ -277,7 +277,7 @@ impl LightSample {
 }
 
 impl LightPoint {
-    #[inline]
+    #[inline(always)]
     fn seen_from(self, to: &Surface, emission: Emission) -> Option<LightSample> {
         let Self { point, direction, pdf } = self;
         let Emission { radiance, can_be_hit } = emission;

@@ -61,7 +61,7 @@ impl<'a> Pass<'a> {
 
     /// A point of light number `index`, one of the first [`LIGHTS_MAX`]: the one that all pixels share, where that is as
     /// good for all.
-    #[inline]
+    #[inline(always)]
     pub fn sample_light(&self, index: usize, to: &Surface, sampler: &mut Sampler) -> Option<LightSample> {
         if let Some(flat) = &self.flat_points[index] {
             return self.lights.sample_at(flat, to);

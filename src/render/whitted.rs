@@ -217,7 +217,7 @@ impl Shading<'_> {
     }
 
     /// Shadow rays to all lights but the sky; `reflected` is the radiance for unit irradiance.
-    #[inline]
+    #[inline(always)]
     fn ask_for_light(&mut self, pass: &Pass, surface: &Surface, frame: &ShadingFrame, reflected: Vec3) {
         let lights = &pass.lights;
         if lights.len() <= LIGHTS_MAX {
@@ -234,7 +234,7 @@ impl Shading<'_> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn ask(&mut self, light: Option<LightSample>, frame: &ShadingFrame, reflected: Vec3) {
         let Some(light) = light else { return };
         let cosine = frame.cosine(light.direction);

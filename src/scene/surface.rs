@@ -29,36 +29,33 @@ impl Scene {
     /// The surface at `hit`, the answer to `ray`.
     #[inline]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
-        let shape_hit = ShapeHit { t: hit.t, u: hit.u, v: hit.v };
-        let (point, material) = match self.shapes.get(hit.shape as usize) {
-            Some(_) => {
-                let point = self.shape(hit.shape).surface(ray, &shape_hit);
-                (point, self.shape_materials[hit.shape as usize])
-            }
-            None => {
-                let (_, plane, material) = self
-                    .unbounded()
-                    .nth(hit.shape as usize - self.shapes.len())
-                    .expect("a hit names a shape, a plane or the ground");
-                (plane.surface(ray, &shape_hit), material)
-            }
+        let Some(&ShapeSlot { kind, index }) = self.shapes.get(hit.shape as usize) else {
+            return self.unbounded_surface(ray, hit);
         };
-        let (shading_normal, uv) = match self.shapes.get(hit.shape as usize) {
-            Some(&ShapeSlot { kind: ShapeKind::Triangle, index }) => {
-                self.mesh.vertex_attributes(&self.mesh.triangles[index as usize], hit, &point)
+        let material = self.shape_materials[hit.shape as usize];
+        let (shape_hit, i) = (ShapeHit { t: hit.t, u: hit.u, v: hit.v }, index as usize);
+        // Kind by kind, not by way of a `Shape`, which would be written and read again before anything is computed.
+        let point = match kind {
+            ShapeKind::Triangle => {
+                let point = self.triangle(index).surface(ray, &shape_hit);
+                let (normal, uv) = self.mesh.vertex_attributes(&self.mesh.triangles[i], hit, &point);
+                return Surface::new(ray, hit.shape, material, point, normal, uv);
             }
-            _ => (point.normal, point.uv),
+            ShapeKind::Quad => self.quads[i].surface(ray, &shape_hit),
+            ShapeKind::Sphere => self.spheres[i].surface(ray, &shape_hit),
+            ShapeKind::Cuboid => self.cuboids[i].surface(ray, &shape_hit),
+            ShapeKind::Torus => self.tori[i].surface(ray, &shape_hit),
         };
-        Surface {
-            position: point.position,
-            error: point.error,
-            geometric_normal: point.normal,
-            shading_normal,
-            uv,
-            shape: hit.shape,
-            material,
-            front: ray.direction.dot(point.normal) < 0.0,
-        }
+        Surface::new(ray, hit.shape, material, point, point.normal, point.uv)
+    }
+
+    fn unbounded_surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+        let (_, plane, material) = self
+            .unbounded()
+            .nth(hit.shape as usize - self.shapes.len())
+            .expect("a hit names a shape, a plane or the ground");
+        let point = plane.surface(ray, &ShapeHit { t: hit.t, u: hit.u, v: hit.v });
+        Surface::new(ray, hit.shape, material, point, point.normal, point.uv)
     }
 }
 
@@ -86,6 +83,27 @@ impl Mesh {
 }
 
 impl Surface {
+    #[inline(always)]
+    fn new(
+        ray: &Ray,
+        shape: u32,
+        material: u32,
+        point: SurfacePoint,
+        shading_normal: Vec3,
+        uv: Vec2,
+    ) -> Self {
+        Self {
+            position: point.position,
+            error: point.error,
+            geometric_normal: point.normal,
+            shading_normal,
+            uv,
+            shape,
+            material,
+            front: ray.direction.dot(point.normal) < 0.0,
+        }
+    }
+
     /// The origin of a ray that leaves along `direction`: `position` moved along the geometric normal by the error
     /// bound to the side that `direction` points to (Waechter and Binder, "A Fast and Robust Method for Avoiding
     /// Self-Intersection", 2019).

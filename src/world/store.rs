@@ -6,7 +6,8 @@ use rayon::prelude::*;
 use crate::accel::simd::Instructions;
 use crate::accel::tree::LeafRange;
 use crate::accel::{LeafIntersector, Probe, Tree};
-use crate::geometry::{Aabb, Cuboid, PreparedRay, Quad, Shape, ShapeHit, Span, Sphere, Torus};
+use crate::geometry::quad::FlatQuad;
+use crate::geometry::{Aabb, Cuboid, PreparedRay, Shape, ShapeHit, Span, Sphere, Torus};
 use crate::scene::Scene;
 use crate::task::{Cancelled, Task};
 
@@ -29,7 +30,7 @@ pub struct PrimStore {
     more_blocks: Vec<TriangleBlock>,
     spheres: Vec<Stored<Sphere>>,
     cuboids: Vec<Stored<Cuboid>>,
-    quads: Vec<Stored<Quad>>,
+    quads: Vec<Stored<FlatQuad>>,
     tori: Vec<Stored<Torus>>,
 }
 
@@ -84,7 +85,7 @@ pub(super) struct Stored<S> {
 pub(super) struct Others<'a> {
     pub spheres: &'a [Stored<Sphere>],
     pub cuboids: &'a [Stored<Cuboid>],
-    pub quads: &'a [Stored<Quad>],
+    pub quads: &'a [Stored<FlatQuad>],
     pub tori: &'a [Stored<Torus>],
 }
 
@@ -136,9 +137,10 @@ impl PrimStore {
                         rest.cuboids
                             .push(&mut piece.cuboids, Stored { bounds: geometry.bounds(), geometry, shape });
                     }
-                    Shape::Quad(geometry) => rest
-                        .quads
-                        .push(&mut piece.quads, Stored { bounds: geometry.bounds(), geometry, shape }),
+                    Shape::Quad(quad) => {
+                        let geometry = quad.flat();
+                        rest.quads.push(&mut piece.quads, Stored { bounds: quad.bounds(), geometry, shape });
+                    }
                     Shape::Torus(geometry) => {
                         rest.tori.push(&mut piece.tori, Stored { bounds: geometry.bounds(), geometry, shape })
                     }
@@ -229,7 +231,7 @@ impl PrimStore {
             let (others, query) = (self.others(leaf_idx), Nearest { ray, t_min });
             query.among(others.spheres, Sphere::intersect_in, best, probe);
             query.among(others.cuboids, Cuboid::intersect_in, best, probe);
-            query.among(others.quads, Quad::intersect_in, best, probe);
+            query.among(others.quads, FlatQuad::intersect_in, best, probe);
             query.among(others.tori, Torus::intersect_in, best, probe);
         }
     }
@@ -261,7 +263,7 @@ impl PrimStore {
         query
             .among(others.spheres, Sphere::intersect_in, probe)
             .or_else(|| query.among(others.cuboids, Cuboid::intersect_in, probe))
-            .or_else(|| query.among(others.quads, Quad::intersect_in, probe))
+            .or_else(|| query.among(others.quads, FlatQuad::intersect_in, probe))
             .or_else(|| query.among(others.tori, Torus::intersect_in, probe))
     }
 

@@ -123,7 +123,7 @@ fn quad_hits<S: Simd>(
 #[inline(always)]
 pub fn quads_nearest<S: Simd>(
     simd: S,
-    stored: &[Stored<Quad>],
+    stored: &[Stored<FlatQuad>],
     packet: &PacketLanes,
     rays: Rays,
     best: &mut PacketBest,
@@ -131,10 +131,9 @@ pub fn quads_nearest<S: Simd>(
 ) {
     for Stored { bounds, geometry, shape } in stored {
         probe.shapes_tested(rays, 1);
-        let quad = geometry.flat();
         for (group, asked) in rays.groups() {
             let t_max = best.ends().load(simd, group);
-            let Some(hits) = quad_hits(simd, &quad, bounds, packet, group, asked, t_max) else { continue };
+            let Some(hits) = quad_hits(simd, geometry, bounds, packet, group, asked, t_max) else { continue };
             let t = hits.t.to_array();
             for index in Rays::in_group(group, hits.rays).iter() {
                 let lane = index % GROUP;
@@ -152,7 +151,7 @@ pub fn quads_nearest<S: Simd>(
 #[inline(always)]
 pub fn quads_stop<S: Simd>(
     simd: S,
-    stored: &[Stored<Quad>],
+    stored: &[Stored<FlatQuad>],
     (packet, rays): (&PacketLanes, Rays),
     stopped: &mut Rays,
     blocks: &impl Fn(u32) -> bool,
@@ -164,10 +163,9 @@ pub fn quads_stop<S: Simd>(
             continue;
         }
         probe.shapes_tested(left, 1);
-        let quad = geometry.flat();
         for (group, asked) in left.groups() {
             let t_max = packet.t_max().load(simd, group);
-            if let Some(hits) = quad_hits(simd, &quad, bounds, packet, group, asked, t_max) {
+            if let Some(hits) = quad_hits(simd, geometry, bounds, packet, group, asked, t_max) {
                 *stopped = stopped.or(Rays::in_group(group, hits.rays));
             }
         }
