@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bvhscope::accel::simd::SimdLevel;
-use bvhscope::accel::{Block, BuildConfig, Builder, StopRule, Widen, Width};
+use bvhscope::accel::{Block, BuildConfig, Builder, Improver, StopRule, Widen, Width};
 use bvhscope::export::session_file;
 use bvhscope::render::{
     BoxColor, BoxStyle, ColorMap, CountKind, DisplaySettings, OverlaySettings, RenderSettings, ToneMap, View,
@@ -35,20 +35,30 @@ fn build() -> impl Strategy<Value = BuildConfig> {
         select(&Widen::ALL[..]),
         select(&StopRule::ALL[..]),
         select(&Block::ALL[..]),
+        select(&Improver::ALL[..]),
     );
-    let numbers = (BuildConfig::BINS, BuildConfig::LEAF, 1e-6f32..1000.0, 1e-6f32..1000.0);
-    (choices, numbers).prop_map(|((builder, width, widen, stop, block), (bins, leaf, ct, ci))| BuildConfig {
-        builder,
-        width,
-        widen,
-        stop,
-        block,
-        bins,
-        leaf,
-        traversal_cost: ct,
-        intersection_cost: ci,
-        simd: SimdLevel::Scalar,
-    })
+    let costs = (1e-6f32..1000.0, 1e-6f32..1000.0);
+    let numbers =
+        (BuildConfig::BINS, BuildConfig::LEAF, BuildConfig::ROUNDS, BuildConfig::MIN_SHARE..=1.0, costs);
+    (choices, numbers).prop_map(
+        |((builder, width, widen, stop, block, improver), (bins, leaf, rounds, share, (ct, ci)))| {
+            BuildConfig {
+                builder,
+                width,
+                widen,
+                stop,
+                block,
+                improver,
+                rounds,
+                share,
+                bins,
+                leaf,
+                traversal_cost: ct,
+                intersection_cost: ci,
+                simd: SimdLevel::Scalar,
+            }
+        },
+    )
 }
 
 fn camera() -> impl Strategy<Value = Camera> {

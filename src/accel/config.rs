@@ -108,15 +108,18 @@ pub enum Widen {
     Split,
     /// From the finished binary tree, opening the child with the largest area first.
     Collapse,
+    /// From a binary tree with one shape a leaf: the inner nodes and the leaves that have the least SAH cost together.
+    Optimal,
 }
 
 impl Widen {
-    pub const ALL: [Self; 2] = [Self::Split, Self::Collapse];
+    pub const ALL: [Self; 3] = [Self::Split, Self::Collapse, Self::Optimal];
 
     pub fn name(self) -> &'static str {
         match self {
             Self::Split => "split",
             Self::Collapse => "collapse",
+            Self::Optimal => "optimal",
         }
     }
 
@@ -124,6 +127,9 @@ impl Widen {
         match self {
             Self::Split => "direct: split again and again until the node is full",
             Self::Collapse => "from the binary tree, the child with the largest area opened first",
+            Self::Optimal => {
+                "from the binary tree, nodes and leaves of the least SAH cost; takes the place of the stop rule"
+            }
         }
     }
 }
@@ -195,6 +201,34 @@ impl TryFrom<usize> for Block {
     }
 }
 
+/// What makes a better binary tree of the one that was built, before it is widened.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Improver {
+    #[default]
+    None,
+    Reinsertion,
+}
+
+impl Improver {
+    pub const ALL: [Self; 2] = [Self::None, Self::Reinsertion];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Reinsertion => "reinsertion",
+        }
+    }
+
+    /// One line for lists and tooltips.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::None => "the tree stays as it was built",
+            Self::Reinsertion => "subtrees are moved to where the sum of all areas is least",
+        }
+    }
+}
+
 /// When a node becomes a leaf.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -237,6 +271,12 @@ pub struct BuildConfig {
     /// Most references in a leaf, in [`BuildConfig::LEAF`].
     pub leaf: usize,
     pub block: Block,
+    pub improver: Improver,
+    /// Most rounds of the improver, in [`BuildConfig::ROUNDS`].
+    pub rounds: usize,
+    /// Which share of all nodes a round of reinsertion moves, those with the largest areas; from
+    /// [`BuildConfig::MIN_SHARE`] to 1.
+    pub share: f32,
     /// C_t of the SAH cost: the price of visiting a node.
     pub traversal_cost: f32,
     /// C_i of the SAH cost: the price of testing a shape.
@@ -255,6 +295,9 @@ impl Default for BuildConfig {
             bins: 16,
             leaf: 2,
             block: Block::default(),
+            improver: Improver::default(),
+            rounds: 10,
+            share: 0.1,
             traversal_cost: 1.0,
             intersection_cost: 1.0,
             simd: SimdLevel::default(),
@@ -273,6 +316,10 @@ pub enum ConfigError {
     Bins { bins: usize },
     #[error("leaf {leaf} is outside 1 to 64")]
     Leaf { leaf: usize },
+    #[error("rounds {rounds} is outside 1 to 1000")]
+    Rounds { rounds: usize },
+    #[error("share {share} is not a number from 0.000001 to 1")]
+    Share { share: f32 },
     #[error("{name} {value} is not a number above 0 and up to 1000")]
     Cost { name: &'static str, value: f32 },
     #[error("this processor has no {name} instructions; it has {has}")]
@@ -282,6 +329,9 @@ pub enum ConfigError {
 impl BuildConfig {
     pub const BINS: std::ops::RangeInclusive<usize> = 2..=256;
     pub const LEAF: std::ops::RangeInclusive<usize> = 1..=64;
+    pub const ROUNDS: std::ops::RangeInclusive<usize> = 1..=1000;
+    /// The least share of the nodes that a round may move.
+    pub const MIN_SHARE: f32 = 1e-6;
     /// No leaf lies deeper; so traversal has a fixed stack.
     pub const MAX_DEPTH: usize = 64;
     /// Largest settable traversal or intersection cost.
@@ -289,7 +339,7 @@ impl BuildConfig {
 
     /// The five trees of the first table, by name, at this leaf limit, number of bins and these costs.
     pub fn five_trees(&self) -> [(&'static str, Self); 5] {
-        let base = Self { stop: StopRule::Limit, widen: Widen::Split, ..*self };
+        let base = Self { stop: StopRule::Limit, widen: Widen::Split, improver: Improver::None, ..*self };
         [
             ("BVH", Self { builder: Builder::Median, width: Width::W2, ..base }),
             ("BVH_SAH", Self { builder: Builder::Sweep, width: Width::W2, ..base }),
@@ -299,6 +349,11 @@ impl BuildConfig {
         ]
     }
 
+    /// Whether wide nodes are made from a finished binary tree that is itself built down to single shapes.
+    pub fn is_optimal(&self) -> bool {
+        self.widen == Widen::Optimal && self.width != Width::W2
+    }
+
     /// Checks every range. Errors name the setting, the value and the range.
     pub fn check(&self) -> Result<(), ConfigError> {
         if !Self::BINS.contains(&self.bins) {
@@ -306,6 +361,12 @@ impl BuildConfig {
         }
         if !Self::LEAF.contains(&self.leaf) {
             return Err(ConfigError::Leaf { leaf: self.leaf });
+        }
+        if !Self::ROUNDS.contains(&self.rounds) {
+            return Err(ConfigError::Rounds { rounds: self.rounds });
+        }
+        if !(Self::MIN_SHARE..=1.0).contains(&self.share) {
+            return Err(ConfigError::Share { share: self.share });
         }
         for (name, value) in
             [("traversal-cost", self.traversal_cost), ("intersection-cost", self.intersection_cost)]

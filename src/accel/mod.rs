@@ -2,7 +2,10 @@
 //! a builder sees boxes, and traversal asks a [`traverse::LeafIntersector`] about what lies in a leaf.
 
 pub mod build;
+mod bvh2;
 pub mod config;
+mod optimize;
+mod optimum;
 pub mod quality;
 pub mod simd;
 pub mod traverse;
@@ -11,6 +14,7 @@ pub mod validate;
 pub mod widen;
 
 pub use build::{BuildPhase, BuildReport, Shapes, build, build_over};
-pub use config::{Block, BuildConfig, Builder, ConfigError, StopRule, Widen, Width};
+pub use bvh2::{Bvh2, Bvh2Node};
+pub use config::{Block, BuildConfig, Builder, ConfigError, Improver, StopRule, Widen, Width};
 pub use traverse::{LeafIntersector, Probe, RayCounters};
-pub use tree::{Bvh2, ChildRef, NodeId, NodeKind, NodeView, Tree, WideBvh};
+pub use tree::{ChildRef, NodeId, NodeKind, NodeView, Tree, WideBvh};

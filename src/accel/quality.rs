@@ -3,6 +3,7 @@
 use crate::each_width;
 use crate::geometry::Aabb;
 
+use super::bvh2::Bvh2;
 use super::tree::{ChildRef, Tree, Visit, WideBvh};
 
 /// Children of the widest node.
@@ -190,6 +191,19 @@ fn overlap(siblings: &[Aabb]) -> f64 {
     if own > 0.0 { shared / f64::from(own) } else { 0.0 }
 }
 
+/// The SAH cost of a binary tree that is still being made; `None` where the root's area is zero.
+pub fn binary_sah_cost(bvh: &Bvh2, traversal_cost: f32, intersection_cost: f32) -> Option<f64> {
+    let root_area = f64::from(bvh.nodes.first()?.bounds.area());
+    let costs = bvh.nodes.iter().map(|node| {
+        let weight = match node.count {
+            0 => f64::from(traversal_cost),
+            size => f64::from(intersection_cost) * f64::from(size),
+        };
+        weight * f64::from(node.bounds.area())
+    });
+    (root_area > 0.0).then(|| costs.sum::<f64>() / root_area)
+}
+
 /// Every node's own share of the SAH cost, by node id: `C * A / A_root / cost`, C = `C_t` for an inner node, `C_i * N`
 /// for a leaf. The shares add up to 1; all are 0 where the cost is undefined or 0.
 pub fn sah_shares(tree: &Tree, traversal_cost: f32, intersection_cost: f32) -> Vec<f32> {
@@ -228,7 +242,7 @@ mod tests {
 
     #[test]
     fn the_sah_cost_of_four_cubes_is_that_done_by_hand() {
-        let f = figures(&BuildConfig { leaf: 1, ..BuildConfig::default() });
+        let f = figures(&BuildConfig { leaf: 1, width: Width::W2, ..BuildConfig::default() });
         // Root 7 x 1 x 1: area 30. Two inner nodes 3 x 1 x 1: area 14. Four leaves of area 6.
         let sah = f.sah_cost.expect("the root has an area");
         assert!((sah.inner - (30.0 + 2.0 * 14.0) / 30.0).abs() < 1e-9);
@@ -244,6 +258,17 @@ mod tests {
         let sah = f.sah_cost.expect("the root has an area");
         assert!((sah.inner - 1.0).abs() < 1e-9 && (sah.leaf - 0.8).abs() < 1e-9);
         assert_eq!((f.node_count, f.depth_max), (5, Some(1)));
+    }
+
+    #[test]
+    fn a_binary_tree_costs_the_same_before_and_after_it_is_finished() {
+        let config = BuildConfig { width: Width::W2, leaf: 1, ..BuildConfig::default() };
+        let (tree, _) = build(&row_of_cubes(), &config, &Task::new()).expect("not cancelled");
+        let finished = TreeFigures::measure(&tree, 1.5, 0.5).sah_cost.expect("the root has an area").total();
+        let Tree::W2(tree) = tree else { panic!("a binary tree") };
+        let cost = binary_sah_cost(&Bvh2::from_wide(&tree), 1.5, 0.5).expect("the root has an area");
+        assert!((cost - finished).abs() < 1e-9, "{cost} {finished}");
+        assert_eq!(binary_sah_cost(&Bvh2::default(), 1.0, 1.0), None);
     }
 
     #[test]

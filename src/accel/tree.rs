@@ -1,34 +1,10 @@
-//! The trees: [`WideBvh`] as builders make it and rays walk it, [`Tree`], any width behind one face, and [`Bvh2`], which
-//! can be widened.
+//! The trees: [`WideBvh`] as builders make it and rays walk it, and [`Tree`], any width behind one face.
 
 use glam::Vec3;
 
 use crate::geometry::Aabb;
 
 use super::config::Width;
-
-/// A binary tree in the form that is easiest to change: node 0 is the root, siblings lie side by side.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Bvh2 {
-    pub nodes: Vec<Bvh2Node>,
-    /// Shape indices in leaf order.
-    pub refs: Vec<u32>,
-}
-
-/// An inner node (`count == 0`, children at `first` and `first + 1`) or a leaf (references `first..first + count`).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bvh2Node {
-    pub bounds: Aabb,
-    pub first: u32,
-    pub count: u32,
-}
-
-impl Bvh2Node {
-    #[inline]
-    pub fn is_leaf(&self) -> bool {
-        self.count > 0
-    }
-}
 
 /// A child slot: nothing, an inner node, or a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -251,6 +251,9 @@ struct TreeSettings<'a> {
     widen: &'static str,
     stop: &'static str,
     block: usize,
+    improver: &'a str,
+    rounds: usize,
+    share: f32,
     traversal_cost: f32,
     intersection_cost: f32,
 }
@@ -272,6 +275,9 @@ impl<'a> TreeSettings<'a> {
             widen: build.widen.name(),
             stop: build.stop.name(),
             block: build.block.get(),
+            improver: build.improver.name(),
+            rounds: build.rounds,
+            share: build.share,
             traversal_cost: build.traversal_cost,
             intersection_cost: build.intersection_cost,
         }

@@ -139,6 +139,9 @@ pub static COLUMNS: &[Column] = &[
     count("block", "blocks", "shapes that count as one in the split cost, rounded up", |s| {
         s.config.block.get().into()
     }),
+    text("improver", "improver", "what made a better tree of the one that was built", |s| {
+        s.config.improver.name().into()
+    }),
     real("traversal_cost", "C_t", "price of visiting a node", |s| f64::from(s.config.traversal_cost).into()),
     real("intersection_cost", "C_i", "price of testing a shape", |s| {
         f64::from(s.config.intersection_cost).into()
@@ -199,7 +202,7 @@ impl Column {
     /// Whether it holds words, not numbers: set flush left.
     pub fn is_text(&self) -> bool {
         self.better == Better::Neither
-            && matches!(self.key, "scene" | "name" | "builder" | "widen" | "stop" | "count")
+            && matches!(self.key, "scene" | "name" | "builder" | "widen" | "stop" | "improver" | "count")
     }
 
     /// The title with the unit, as in `build (ms)`.
@@ -388,7 +391,7 @@ mod tests {
         assert_eq!(keys[..expected.len()], expected);
         assert_eq!(
             keys[expected.len()..],
-            ["widen", "stop", "block", "traversal_cost", "intersection_cost", "count"]
+            ["widen", "stop", "block", "improver", "traversal_cost", "intersection_cost", "count"]
         );
     }
 

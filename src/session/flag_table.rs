@@ -7,7 +7,7 @@ use super::values::{
     read_int, read_named, read_optional, read_size, read_span, read_switch, span_text, switch_text,
 };
 use crate::accel::simd::SimdLevel;
-use crate::accel::{Block, BuildConfig, Builder, StopRule, Widen, Width};
+use crate::accel::{Block, BuildConfig, Builder, Improver, StopRule, Widen, Width};
 use crate::render::{BoxColor, BoxStyle, ColorMap, CountKind, ToneMap, View};
 use crate::scene::{ShadowRule, UpAxis};
 
@@ -78,6 +78,33 @@ pub(super) static FLAGS: &[Flag] = &[
         choices: choices::<Block>,
         set: |s, text| read_named(text).map(|v| s.build_mut().block = v),
         get: |s| s.build().block.name().to_owned(),
+    },
+    Flag {
+        name: "improver",
+        value_name: Some("NAME"),
+        group: FlagGroup::Tree,
+        help: "What makes a better tree of the one that was built",
+        choices: choices::<Improver>,
+        set: |s, text| read_named(text).map(|v| s.build_mut().improver = v),
+        get: |s| s.build().improver.name().to_owned(),
+    },
+    Flag {
+        name: "rounds",
+        value_name: Some("N"),
+        group: FlagGroup::Tree,
+        help: "Most rounds of the improver, 1 to 1000",
+        choices: no_choices,
+        set: |s, text| read_int(text, BuildConfig::ROUNDS).map(|v| s.build_mut().rounds = v),
+        get: |s| s.build().rounds.to_string(),
+    },
+    Flag {
+        name: "share",
+        value_name: Some("X"),
+        group: FlagGroup::Tree,
+        help: "Which share of the nodes a round of reinsertion may move, those with the largest areas; up to 1",
+        choices: no_choices,
+        set: |s, text| read_float(text, BuildConfig::MIN_SHARE..=1.0).map(|v| s.build_mut().share = v),
+        get: |s| float_text(s.build().share),
     },
     Flag {
         name: "traversal-cost",

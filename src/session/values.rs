@@ -9,7 +9,7 @@ use std::str::FromStr;
 use glam::Vec3;
 
 use crate::accel::simd::SimdLevel;
-use crate::accel::{Block, Builder, StopRule, Widen, Width};
+use crate::accel::{Block, Builder, Improver, StopRule, Widen, Width};
 use crate::render::{BoxColor, BoxStyle, ColorMap, CountKind, ToneMap, View};
 use crate::scene::{Camera, ShadowRule, UpAxis};
 
@@ -50,6 +50,7 @@ named! {
     Builder: Self::description;
     Width: |_| "";
     Block: Self::description;
+    Improver: Self::description;
     Widen: Self::description;
     SimdLevel: Self::description;
     StopRule: Self::description;

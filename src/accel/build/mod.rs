@@ -15,8 +15,10 @@ use std::time::Instant;
 use crate::geometry::Aabb;
 use crate::task::{Cancelled, Task};
 
-use super::config::{BuildConfig, Builder, Width};
-use super::tree::{Bvh2, Tree, WideBvh};
+use super::bvh2::Bvh2;
+use super::config::{BuildConfig, Builder, Improver, StopRule, Width};
+use super::optimize::improve;
+use super::tree::{Tree, WideBvh};
 use super::widen::widen;
 
 pub use binned::bin_index;
@@ -25,7 +27,7 @@ pub use binned::bin_index;
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct BuildPhase {
     /// `prepare` (compute, and sort, the boxes), `split` (find and make all splits), `layout` (what was built side by side put
-    /// together in depth-first order).
+    /// together in depth-first order), `improve` (all rounds of the improver), `widen` (make wide nodes of a binary tree).
     pub name: &'static str,
     pub ms: f64,
 }
@@ -35,6 +37,9 @@ pub struct BuildPhase {
 pub struct BuildReport {
     pub config: BuildConfig,
     pub phases: Vec<BuildPhase>,
+    /// The SAH cost of the binary tree before the improver's first round and after each; empty without an improver, `None`
+    /// where it is undefined.
+    pub rounds: Vec<Option<f64>>,
     /// The sum of the phases.
     pub build_ms: f64,
     pub threads: usize,
@@ -115,47 +120,86 @@ pub fn build_over<B: Shapes + ?Sized>(
     let count = shapes.count();
     let bounds = |shape| shapes.bounds(shape);
     task.start(count as u64);
+    // What looks at a finished binary tree gets one with the leaves that it asks for.
+    let from_binary = config.is_optimal() || config.improver != Improver::None;
+    let binary_config = match config.is_optimal() {
+        true => BuildConfig { leaf: 1, stop: StopRule::Limit, ..*config },
+        false => *config,
+    };
     let input = match config.builder {
         Builder::Median | Builder::Binned => Input::Refs(order::build_refs(count, bounds, task)?),
         Builder::Sweep => Input::Boxes((0..count as u32).map(bounds).collect()),
         Builder::Spatial => {
             let refs = order::build_refs(count, bounds, task)?;
             clock.finish("prepare");
-            let bvh = spatial::build(refs, shapes, config, task)?;
+            let bvh = spatial::build(refs, shapes, &binary_config, task)?;
             clock.finish("split");
             Input::Binary(bvh)
         }
     };
-    let tree = match config.width {
-        Width::W2 => Tree::W2(build_wide(input, config, task, &mut clock)?),
-        Width::W4 => Tree::W4(build_wide(input, config, task, &mut clock)?),
-        Width::W8 => Tree::W8(build_wide(input, config, task, &mut clock)?),
+    let input = match input {
+        Input::Refs(_) | Input::Boxes(_) if from_binary => {
+            let tree = top_down::<2>(input, &binary_config, task, &mut clock)?;
+            Input::Binary(Bvh2::from_wide(&tree))
+        }
+        input => input,
     };
+    let mut steps = Steps { config, task, clock: &mut clock, rounds: Vec::new() };
+    let tree = match config.width {
+        Width::W2 => Tree::W2(steps.finish(input)?),
+        Width::W4 => Tree::W4(steps.finish(input)?),
+        Width::W8 => Tree::W8(steps.finish(input)?),
+    };
+    let rounds = steps.rounds;
     let build_ms = clock.phases.iter().map(|p| p.ms).sum();
     let threads = rayon::current_num_threads();
-    Ok((tree, BuildReport { config: *config, phases: clock.phases, build_ms, threads }))
+    Ok((tree, BuildReport { config: *config, phases: clock.phases, rounds, build_ms, threads }))
 }
 
 /// The boxes in the form that a builder works on.
 enum Input {
     Refs(Vec<order::BuildRef>),
     Boxes(Vec<Aabb>),
-    /// A finished binary tree, still to be widened.
+    /// A finished binary tree, still to be improved and widened.
     Binary(Bvh2),
 }
 
-fn build_wide<const N: usize>(
+/// The last steps of a build.
+struct Steps<'a> {
+    config: &'a BuildConfig,
+    task: &'a Task,
+    clock: &'a mut PhaseClock,
+    /// [`BuildReport::rounds`].
+    rounds: Vec<Option<f64>>,
+}
+
+impl Steps<'_> {
+    /// The tree itself.
+    fn finish<const N: usize>(&mut self, input: Input) -> Result<WideBvh<N>, Cancelled> {
+        let Self { config, task, .. } = *self;
+        match input {
+            Input::Binary(mut bvh) => {
+                if config.improver != Improver::None {
+                    self.rounds = improve(&mut bvh, config, task)?;
+                    self.clock.finish("improve");
+                }
+                let tree = widen(&bvh, config, task)?;
+                self.clock.finish("widen");
+                Ok(tree)
+            }
+            input => top_down(input, config, task, self.clock),
+        }
+    }
+}
+
+/// The tree that splits make, at any width at once.
+fn top_down<const N: usize>(
     input: Input,
     config: &BuildConfig,
     task: &Task,
     clock: &mut PhaseClock,
 ) -> Result<WideBvh<N>, Cancelled> {
     match input {
-        Input::Binary(bvh) => {
-            let tree = widen(&bvh, config.widen, task)?;
-            clock.finish("layout");
-            Ok(tree)
-        }
         Input::Boxes(boxes) => {
             let mut arrays = sweep::SweepArrays::sorted(&boxes);
             task.check()?;
@@ -172,6 +216,7 @@ fn build_wide<const N: usize>(
                 top_down::build(order, &binned::Binned::new(config, task), config, task, clock)
             }
         }
+        Input::Binary(_) => unreachable!("a finished binary tree is not split again"),
     }
 }
 

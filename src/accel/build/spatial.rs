@@ -5,8 +5,8 @@
 //! as well; a reference that reaches across one is cut, its parts bounded tightly, unless keeping it whole on one side is
 //! cheaper (the paper's reference unsplitting).
 
+use crate::accel::bvh2::{Bvh2, Bvh2Node};
 use crate::accel::config::{BuildConfig, StopRule};
-use crate::accel::tree::{Bvh2, Bvh2Node};
 use crate::geometry::Aabb;
 use crate::task::{Cancelled, Task};
 

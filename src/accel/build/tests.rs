@@ -6,9 +6,9 @@ use rand_pcg::Pcg32;
 
 use super::bound::Bound;
 use super::*;
-use crate::accel::config::{Block, StopRule, Widen};
+use crate::accel::bvh2::{Bvh2, Bvh2Node};
+use crate::accel::config::{Block, Improver, StopRule, Widen};
 use crate::accel::quality::TreeFigures;
-use crate::accel::tree::{Bvh2, Bvh2Node};
 use crate::accel::validate::validate;
 use crate::accel::widen::widen;
 
@@ -72,6 +72,8 @@ fn every_config() -> Vec<BuildConfig> {
                     for (leaf, bins, block) in
                         [(1, 16, Block::B1), (2, 2, Block::B2), (5, 256, Block::B4), (64, 33, Block::B8)]
                     {
+                        // Each improver with half of what else there is.
+                        let improver = Improver::ALL[configs.len() % Improver::ALL.len()];
                         configs.push(BuildConfig {
                             builder,
                             width,
@@ -80,6 +82,9 @@ fn every_config() -> Vec<BuildConfig> {
                             leaf,
                             bins,
                             block,
+                            improver,
+                            rounds: 3,
+                            share: 0.5,
                             ..BuildConfig::default()
                         });
                     }
@@ -263,13 +268,13 @@ fn wide_trees_are_the_binary_tree_with_children_opened() {
     for (boxes, builder) in
         [(random_boxes(3000, 5.0, 1.0), Builder::Binned), (random_boxes(400, 5.0, 1.0), Builder::Sweep)]
     {
-        for how in Widen::ALL {
+        for how in [Widen::Split, Widen::Collapse] {
             let config = BuildConfig { builder, widen: how, ..BuildConfig::default() };
             let bvh = binary(&tree(&boxes, &config));
             let widened = |width| match width {
-                Width::W2 => Tree::W2(widen(&bvh, how, &Task::new()).expect("not cancelled")),
-                Width::W4 => Tree::W4(widen(&bvh, how, &Task::new()).expect("not cancelled")),
-                Width::W8 => Tree::W8(widen(&bvh, how, &Task::new()).expect("not cancelled")),
+                Width::W2 => Tree::W2(widen(&bvh, &config, &Task::new()).expect("not cancelled")),
+                Width::W4 => Tree::W4(widen(&bvh, &config, &Task::new()).expect("not cancelled")),
+                Width::W8 => Tree::W8(widen(&bvh, &config, &Task::new()).expect("not cancelled")),
             };
             for width in Width::ALL {
                 assert!(
@@ -281,10 +286,74 @@ fn wide_trees_are_the_binary_tree_with_children_opened() {
     }
 }
 
+/// The least SAH cost, times the root's area, of what is below a binary node in at most `slots` slots of a wide node:
+/// every way tried.
+fn least_cost(bvh: &Bvh2, node: u32, slots: usize, width: usize, leaf: usize) -> (f64, usize) {
+    let binary = &bvh.nodes[node as usize];
+    let area = f64::from(binary.bounds.half_area());
+    if binary.is_leaf() {
+        return (area * f64::from(binary.count), binary.count as usize);
+    }
+    let shared = |slots: usize| {
+        let [left, right] = binary.children();
+        (1..slots).map(move |of_left| {
+            let (a, a_count) = least_cost(bvh, left, of_left, width, leaf);
+            let (b, b_count) = least_cost(bvh, right, slots - of_left, width, leaf);
+            (a + b, a_count + b_count)
+        })
+    };
+    let (mut best, count) = shared(width).min_by(|a, b| a.0.total_cmp(&b.0)).expect("two slots or more");
+    best += area;
+    if count <= leaf {
+        best = best.min(area * count as f64);
+    }
+    (shared(slots).map(|(cost, _)| cost).fold(best, f64::min), count)
+}
+
+#[test]
+fn no_way_of_widening_costs_less_than_the_optimal_one() {
+    for (count, width, leaf) in
+        [(9, Width::W4, 1), (11, Width::W4, 4), (13, Width::W8, 3), (6, Width::W8, 64)]
+    {
+        let boxes = random_boxes(count, 5.0, 1.0);
+        let binary_config = BuildConfig { leaf: 1, ..BuildConfig::default() };
+        let bvh = binary(&tree(&boxes, &binary_config));
+        let (least, _) = least_cost(&bvh, 0, 1, width.get(), leaf);
+        let cost = |widen| {
+            let tree = tree(&boxes, &BuildConfig { width, widen, leaf, ..BuildConfig::default() });
+            TreeFigures::measure(&tree, 1.0, 1.0).sah_cost.expect("the boxes have areas").total()
+        };
+        let optimal = cost(Widen::Optimal);
+        let least = least / f64::from(bvh.nodes[0].bounds.half_area());
+        assert!((optimal - least).abs() < 1e-4 * least, "{count} {width:?} {leaf}: {optimal}, not {least}");
+        assert!(optimal <= cost(Widen::Split) * 1.0001 && optimal <= cost(Widen::Collapse) * 1.0001);
+    }
+}
+
+#[test]
+fn reinsertion_lowers_the_cost_round_by_round_and_is_the_same_at_any_thread_count() {
+    let boxes = random_boxes(3000, 5.0, 1.0);
+    for width in Width::ALL {
+        let plain = BuildConfig { builder: Builder::Median, width, ..BuildConfig::default() };
+        let config = BuildConfig { improver: Improver::Reinsertion, rounds: 5, share: 0.3, ..plain };
+        let cost = |config| TreeFigures::measure(&tree(&boxes, config), 1.0, 1.0).sah_cost.map(|c| c.total());
+        assert!(cost(&config) < cost(&plain), "{width:?}");
+        let (_, report) = build(&boxes, &config, &Task::new()).expect("not cancelled");
+        let rounds: Vec<f64> = report.rounds.iter().flatten().copied().collect();
+        assert_eq!(rounds.len(), 6);
+        assert!(rounds.windows(2).all(|pair| pair[1] < pair[0]), "{rounds:?}");
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            pool.install(|| tree(&boxes, &config))
+        };
+        assert!(on(1) == on(3), "{width:?}");
+    }
+}
+
 #[test]
 fn wide_trees_keep_the_leaves_and_have_fewer_nodes() {
     let boxes = random_boxes(2000, 5.0, 0.2);
-    for widen in Widen::ALL {
+    for widen in [Widen::Split, Widen::Collapse] {
         let trees =
             Width::ALL.map(|width| tree(&boxes, &BuildConfig { width, widen, ..BuildConfig::default() }));
         assert!(trees.windows(2).all(|w| w[0].leaf_count() == w[1].leaf_count()));

@@ -133,7 +133,7 @@ impl<O: Order, P> Member<'_, O, P> {
         let split = self.split.as_ref()?;
         let weight = |count: usize, bounds: &Bound| count as f32 * bounds.half_area();
         Some(match how {
-            Widen::Collapse => self.bounds.half_area(),
+            Widen::Collapse | Widen::Optimal => self.bounds.half_area(),
             Widen::Split => {
                 let left = weight(split.left_count, &split.left);
                 let right = weight(self.shapes.len() - split.left_count, &split.right);

@@ -41,6 +41,9 @@ impl TableKey {
             width: blank.width,
             widen: blank.widen,
             stop: blank.stop,
+            improver: blank.improver,
+            rounds: blank.rounds,
+            share: blank.share,
             ..*config
         };
         let RenderSettings { width, height, max_depth, threads, .. } = *settings;

@@ -2,18 +2,25 @@
 
 use std::time::Duration;
 
-use egui::{DragValue, Frame, Label, Margin, RichText, Ui};
+use egui::{DragValue, Frame, Label, Margin, RichText, Slider, Ui};
+use egui_plot::{Line, PlotPoints, Points};
 
-use crate::accel::{Block, BuildConfig, Builder, StopRule, Widen, Width};
+use crate::accel::{Block, BuildConfig, Builder, Improver, StopRule, Widen, Width};
 use crate::app::commands::{Command, Commands};
+use crate::app::theme::Palette;
 use crate::app::view::{AppView, HistoryEntry};
 use crate::inspect::columns::Better;
 use crate::world::World;
 
+use super::chart::{Axis, Chart};
 use super::glossary::Term;
 use super::history::History;
 use super::numbers;
 use super::widgets::{self, Figure};
+
+/// As far as the sliders of the improver go; flags and sessions go further.
+const MANY_ROUNDS: usize = 100;
+const SMALL_SHARE: f32 = 0.01;
 
 /// A build that takes longer shows its progress.
 const SLOW: Duration = Duration::from_millis(200);
@@ -47,7 +54,22 @@ impl BuildPanel {
             .inner
             .on_disabled_hover_text("Only the builders binned and spatial use bins.");
         let leaf_slider = widgets::integer_slider(ui, Term::Leaf, &mut leaf, BuildConfig::LEAF, true);
-        let held = bins_slider.dragged() || leaf_slider.dragged();
+        let (mut rounds, mut share) = (config.rounds, config.share);
+        let mut improver_dragged = false;
+        if config.improver != Improver::None {
+            let most = *BuildConfig::ROUNDS.start()..=MANY_ROUNDS.max(rounds);
+            let of_rounds = widgets::integer_slider(ui, Term::Rounds, &mut rounds, most, true);
+            let slider = Slider::new(&mut share, SMALL_SHARE.min(config.share)..=1.0).logarithmic(true);
+            let of_share = widgets::slider(ui, Term::Share, slider.max_decimals(3).trailing_fill(true));
+            improver_dragged = of_rounds.dragged() || of_share.dragged();
+        }
+        if rounds != config.rounds {
+            commands.edit(move |s| s.build_mut().rounds = rounds);
+        }
+        if share != config.share {
+            commands.edit(move |s| s.build_mut().share = share);
+        }
+        let held = bins_slider.dragged() || leaf_slider.dragged() || improver_dragged;
         if held && !self.held {
             commands.push(Command::HoldRange(true));
         }
@@ -96,12 +118,22 @@ fn choices(ui: &mut Ui, config: &BuildConfig, commands: &mut Commands) {
     }
     let describe = |r: StopRule| (r.name(), r.description());
     let shown = if median { StopRule::Limit } else { config.stop };
-    let stop = ui.add_enabled_ui(!median, |ui| {
+    let stop = ui.add_enabled_ui(!median && !config.is_optimal(), |ui| {
         widgets::segmented(ui, Term::Stop, Some(shown), &StopRule::ALL, &describe)
     });
-    stop.response.on_disabled_hover_text("The median builder always stops at the leaf limit.");
+    stop.response.on_disabled_hover_text(if median {
+        "The median builder always stops at the leaf limit."
+    } else {
+        "Optimal widening finds the leaves itself."
+    });
     if let Some(stop) = stop.inner {
         commands.edit(move |s| s.build_mut().stop = stop);
+    }
+    let describe = |i: Improver| (i.name(), i.description());
+    if let Some(improver) =
+        widgets::segmented(ui, Term::Improver, Some(config.improver), &Improver::ALL, &describe)
+    {
+        commands.edit(move |s| s.build_mut().improver = improver);
     }
 }
 
@@ -149,7 +181,11 @@ pub fn summary(config: &BuildConfig) -> String {
     if config.width != Width::W2 {
         text += &format!(" · width {} {}", config.width.name(), config.widen.name());
     }
-    if config.stop != StopRule::Limit && config.builder != Builder::Median {
+    if config.improver != Improver::None {
+        let (name, rounds, share) = (config.improver.name(), config.rounds, config.share);
+        text += &format!(" · {name} {rounds} x {share}");
+    }
+    if config.stop != StopRule::Limit && !config.is_optimal() && config.builder != Builder::Median {
         text += &format!(" · stop {}", config.stop.name());
     }
     let costs = (config.traversal_cost, config.intersection_cost);
@@ -186,6 +222,7 @@ fn report(ui: &mut Ui, view: &AppView) {
     .note(threads)
     .show(ui, p);
     phases(ui, view, world);
+    rounds(ui, view.palette, world);
     figure(Term::SahCost, numbers::decimal(sah, 2), change(sah, |e| e.sah_cost), Better::Lower).show(ui, p);
     let visited = view.rays.and_then(|r| r.nodes_visited_mean);
     figure(
@@ -247,6 +284,41 @@ fn phases(ui: &mut Ui, view: &AppView, world: &World) {
     });
 }
 
+/// What each round of the improver made of the tree.
+fn rounds(ui: &mut Ui, palette: &Palette, world: &World) {
+    let costs: Vec<f64> = world.report.rounds.iter().map_while(|cost| *cost).collect();
+    let [first, .., last] = costs[..] else { return };
+    let count = costs.len() - 1;
+    widgets::row(ui, Term::RoundCosts, |ui| {
+        let rounds = if count == 1 { "round" } else { "rounds" };
+        let text = format!("{:.2} % less in {count} {rounds}", 100.0 * (1.0 - last / first));
+        ui.label(RichText::new(text).small().color(palette.muted));
+    });
+    let chart = Chart {
+        label: Term::RoundCosts.label(),
+        height: 96.0,
+        x: Axis::integers(0.0, count as f64, 8).labelled("rounds"),
+        y: Axis::around(costs.iter().copied()),
+        clickable: false,
+    };
+    let points: Vec<[f64; 2]> = costs.iter().enumerate().map(|(i, cost)| [i as f64, *cost]).collect();
+    let color = palette.accent;
+    let shown = chart.show(ui, palette, move |plot| {
+        let line = Line::new("cost", PlotPoints::from(points.clone())).color(color).width(1.5);
+        plot.line(line.allow_hover(false));
+        plot.points(
+            Points::new("rounds", PlotPoints::from(points)).color(color).radius(2.5).allow_hover(false),
+        );
+    });
+    if let Some(hover) = shown.hover {
+        let round = (hover.x.round().max(0.0) as usize).min(count);
+        let cost = numbers::decimal(costs[round], 3);
+        let when =
+            if round == 0 { "before the first round".to_owned() } else { format!("after round {round}") };
+        shown.response.on_hover_text_at_pointer(format!("SAH cost {cost} {when}, of the binary tree"));
+    }
+}
+
 /// The build before the newest one, if it was of the same scene.
 fn before(history: &[HistoryEntry]) -> Option<&HistoryEntry> {
     let [.., before, newest] = history else { return None };
@@ -288,6 +360,14 @@ mod tests {
         let config =
             BuildConfig { builder: Builder::Sweep, width: Width::W8, widen: Widen::Collapse, ..config };
         assert_eq!(summary(&config), "sweep · leaf 2 · width 8 collapse");
+        let config = BuildConfig {
+            improver: Improver::Reinsertion,
+            width: Width::W4,
+            widen: Widen::Optimal,
+            stop: StopRule::Cost,
+            ..BuildConfig::default()
+        };
+        assert_eq!(summary(&config), "binned 16 · leaf 2 · width 4 optimal · reinsertion 10 x 0.1");
         let config = BuildConfig { stop: StopRule::Cost, traversal_cost: 1.5, ..BuildConfig::default() };
         assert_eq!(summary(&config), "binned 16 · leaf 2 · stop cost · costs 1.5 1");
     }
