@@ -3,8 +3,9 @@
 //!
 //! Every round looks, for those nodes that have the largest areas, for the best place in the whole tree: from the node's
 //! parent upwards, each time down into the other side, and not further than the best place so far can be beaten; and beside
-//! each ancestor, which the paper leaves out. That changes nothing and is done side by side. The moves found are then made one after the other, the best first, but for
-//! those that touch what was moved before them. So the tree is the same at any thread count.
+//! each ancestor, which the paper leaves out. That changes nothing and is done side by side. The moves found are then made
+//! one after the other, the best first, but for those that are no improvement any more after what was moved before them:
+//! simpler than the paper's locks, and the tree is the same at any thread count.
 
 use rayon::prelude::*;
 
@@ -55,7 +56,6 @@ pub fn reinsert(
             break;
         }
         let better = Bvh2 { nodes: reinserter.nodes, refs: std::mem::take(&mut bvh.refs) };
-        // Moves that are each an improvement may not be one together.
         let gained = before - sum_of_areas(&better.nodes);
         if gained <= WORTHWHILE * before || better.depth_max() > BuildConfig::MAX_DEPTH {
             bvh.refs = better.refs;
@@ -163,23 +163,48 @@ impl Reinserter {
         (best.to != from).then_some(best)
     }
 
-    /// Makes the moves that do not touch what was moved before them. `false` if there were none.
+    /// Makes the moves that are still an improvement after those before them. `false` if there were none.
     fn make(&mut self, moves: &[Move]) -> bool {
-        let mut touched = vec![false; self.nodes.len()];
         let mut made = false;
         for &Move { from, to, .. } in moves {
-            let concerned = [from, sibling(from), self.parent(from), to, self.parent(to)];
-            let is_free = concerned.iter().all(|&node_idx| !touched[node_idx as usize]);
-            // An earlier move may have brought the new place into this very subtree.
-            if is_free && !self.is_below(to, from) {
-                for node_idx in concerned {
-                    touched[node_idx as usize] = true;
-                }
+            // An earlier move may have brought the new place into this very subtree, or beside it.
+            let is_possible = to != sibling(from) && to != self.parent(from) && !self.is_below(to, from);
+            if is_possible && self.gain(from, to) > 0.0 {
                 self.put(from, to);
                 made = true;
             }
         }
         made
+    }
+
+    /// By how much the sum of the half areas of all inner nodes falls if the subtree `from` becomes the sibling of `to`.
+    fn gain(&self, from: u32, to: u32) -> f32 {
+        let bounds = self.node(from).bounds;
+        let area = |node_idx: u32| self.node(node_idx).bounds.half_area();
+        let parent = self.parent(from);
+        let mut saved = area(parent);
+        let (mut side, mut without) = (from, Aabb::EMPTY);
+        // Up to the first ancestor of both.
+        while !self.is_below(to, self.parent(side)) {
+            without = without.union(self.node(sibling(side)).bounds);
+            side = self.parent(side);
+            if side != parent {
+                saved += area(side) - without.half_area();
+            }
+        }
+        let common = self.parent(side);
+        if common == to {
+            without = without.union(self.node(sibling(side)).bounds);
+            return saved - without.half_area();
+        }
+        let grown = |node_idx: u32| self.node(node_idx).bounds.union(bounds).half_area();
+        let mut gain = saved - grown(to);
+        let mut at = self.parent(to);
+        while at != common {
+            gain -= grown(at) - area(at);
+            at = self.parent(at);
+        }
+        gain
     }
 
     fn is_below(&self, node_idx: u32, ancestor: u32) -> bool {
@@ -286,6 +311,8 @@ mod tests {
             let mut reinserter = Reinserter::new(nodes.clone());
             reinserter.put(from, to);
             let fell = sum_of_areas(&nodes) - sum_of_areas(&reinserter.nodes);
+            let again = Reinserter::new(nodes.clone()).gain(from, to);
+            assert!((again - gain).abs() <= 1e-3 * gain + 1e-3, "{gain} {again}");
             assert!((fell - f64::from(gain)).abs() < 1e-2 * f64::from(gain) + 1e-2, "{gain} {fell}");
             // No other place would have been better.
             for other in 0..nodes.len() as u32 {
