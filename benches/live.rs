@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use bvhscope::accel::{BuildConfig, Widen, Width};
+use bvhscope::accel::{BuildConfig, Width};
 use bvhscope::render::film::{Film, FilmSubject};
 use bvhscope::render::integrate::render;
 use bvhscope::render::{CountKind, RenderSettings, View};
@@ -17,10 +17,7 @@ fn live(criterion: &mut Criterion) {
     let scene = Arc::new(builtin::make("bunny").expect("a built-in scene"));
     let settings = RenderSettings { width: 1280, height: 720, ..RenderSettings::default() };
     let defaults = BuildConfig::default();
-    let configs = [
-        ("default", defaults),
-        ("8-wide", BuildConfig { width: Width::W8, leaf: 4, widen: Widen::Collapse, ..defaults }),
-    ];
+    let configs = [("default", defaults), ("binary", BuildConfig { width: Width::W2, ..defaults })];
     for (name, config) in configs {
         let mut group = criterion.benchmark_group(format!("live {name}"));
         group.sampling_mode(SamplingMode::Flat);

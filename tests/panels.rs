@@ -170,7 +170,7 @@ fn the_report_shows_the_figures_of_the_tree_and_their_change() {
 #[test]
 fn a_click_on_the_history_brings_its_settings_back() {
     let mut harness = panel(PanelKind::Build);
-    harness.get_by_label("Build 1: binned 4 · leaf 2").click();
+    harness.get_by_label("Build 1: binned 4 · leaf 2 · binary").click();
     harness.run();
     assert_eq!(harness.state().session.build().bins, 4);
 }

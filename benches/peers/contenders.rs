@@ -70,7 +70,9 @@ pub fn all() -> Vec<Contender> {
     let contender = |name, build| Contender { name, build };
     vec![
         reference(),
-        contender("bvhscope binary", |input| ours(input, &BuildConfig::default())),
+        contender("bvhscope binary", |input| {
+            ours(input, &BuildConfig { width: Width::W2, ..BuildConfig::default() })
+        }),
         contender("obvhs binary, fastest", |input| obvhs_binary(input, BvhBuildParams::fastest_build())),
         contender("obvhs binary, medium", |input| obvhs_binary(input, BvhBuildParams::medium_build())),
         contender("obvhs binary, very slow", |input| obvhs_binary(input, BvhBuildParams::very_slow_build())),

@@ -58,9 +58,9 @@ impl Builder {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(try_from = "usize", into = "usize")]
 pub enum Width {
-    #[default]
     W2,
     W4,
+    #[default]
     W8,
 }
 

@@ -151,7 +151,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::accel::{BuildConfig, build};
+    use crate::accel::{BuildConfig, Width, build};
     use crate::task::Task;
 
     fn boxes() -> Vec<Aabb> {
@@ -160,9 +160,10 @@ mod tests {
 
     /// A valid tree over `boxes`, then broken.
     fn broken(change: impl FnOnce(&mut WideBvh<2>)) -> Vec<Violation> {
-        let (tree, _) = build(&boxes(), &BuildConfig::default(), &Task::new()).expect("not cancelled");
+        let config = BuildConfig { width: Width::W2, ..BuildConfig::default() };
+        let (tree, _) = build(&boxes(), &config, &Task::new()).expect("not cancelled");
         assert_eq!(validate(&tree, &boxes()), []);
-        let Tree::W2(mut bvh) = tree else { panic!("width 2 is the default") };
+        let Tree::W2(mut bvh) = tree else { panic!("a binary tree") };
         change(&mut bvh);
         validate(&Tree::W2(bvh), &boxes())
     }

@@ -421,7 +421,7 @@ mod tests {
             assert!(object.contains_key(column.key), "{}", column.key);
         }
         assert_eq!(object["name"], "BVH_BIN");
-        assert_eq!(object["width"], 2);
+        assert_eq!(object["width"], 8);
         assert_eq!(object["node_count"], 5937);
         assert_eq!(object["sah_cost"], 12.5);
         assert!(object["epo"].is_null() && object["traversal_ms"].is_null());

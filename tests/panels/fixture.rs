@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
-use bvhscope::accel::BuildConfig;
+use bvhscope::accel::{BuildConfig, Width};
 use bvhscope::app::commands::{Command, Commands, SaveTarget};
 use bvhscope::app::panels::{PanelKind, Panels};
 use bvhscope::app::theme::{self, Palette};
@@ -63,6 +63,11 @@ fn entry(number: usize, world: &World, rays: &RayFigures) -> HistoryEntry {
     }
 }
 
+/// Of the tree that is shown: a binary one, which has the most levels.
+fn config() -> BuildConfig {
+    BuildConfig { width: Width::W2, ..BuildConfig::default() }
+}
+
 fn measure() -> Measured {
     let task = Task::new();
     let scene = Arc::new(builtin::make("bunny").expect("the default scene"));
@@ -71,7 +76,7 @@ fn measure() -> Measured {
     let count = |world: &World| {
         count_rays(world, &camera, &settings, CountKind::Camera, 1, &task).expect("nobody cancels")
     };
-    let configs = [4, 8, 12, 64, 16].map(|bins| BuildConfig { bins, ..BuildConfig::default() });
+    let configs = [4, 8, 12, 64, 16].map(|bins| BuildConfig { bins, ..config() });
     let worlds = configs.map(|config| build(&scene, &config));
     let history = worlds.iter().enumerate().map(|(i, w)| entry(i + 1, w, &count(w))).collect();
     let world = Arc::clone(worlds.last().expect("five worlds"));
@@ -83,10 +88,10 @@ fn measure() -> Measured {
     let boxes = OverlaySettings { depths: Some([0, 6]), budget: 40, ..OverlaySettings::default() };
     let overlay = draw_boxes(&world, &camera, &boxes, &depth, 96, 54, &task).expect("nobody cancels");
     let points = [2, 4, 8, 16, 32, 64, 128, 256].map(|bins| {
-        let base = BuildConfig::default();
+        let base = config();
         measure_bins(&scene, &camera, &base, Some(bins), &settings, 4, bins < 64, &task).expect("no cancel")
     });
-    let sweep = measure_bins(&scene, &camera, &BuildConfig::default(), None, &settings, 4, true, &task).ok();
+    let sweep = measure_bins(&scene, &camera, &config(), None, &settings, 4, true, &task).ok();
     let bin_curve = BinCurve { points: points.to_vec(), sweep, pending: 16 };
     let soup = Arc::new(builtin::make("soup:300").expect("a built-in scene"));
     let rows = five_trees(&soup, &soup.camera, &BuildConfig::default(), &settings, &task, &mut |_| ());
@@ -138,6 +143,7 @@ impl Program {
     pub fn full(kind: PanelKind, dark: bool) -> Self {
         let m = measured();
         let mut session = Session { view: View::NodesVisited, ..Session::default() };
+        *session.build_mut() = config();
         session.overlay.depths = Some([0, 6]);
         session.overlay.budget = 40;
         session.display.threshold = Some(m.histogram.p95);

@@ -81,7 +81,7 @@ fn a_build_of_the_history_comes_back_with_its_figures() {
     window.get_by_label("Builder median").click();
     settle(&mut window);
     assert!(!figure(&window, "SAH cost").starts_with(first.as_deref().expect("a figure")));
-    window.get_by_label("Build 1: binned 16 · leaf 2").click();
+    window.get_by_label("Build 1: binned 16 · leaf 2 · 8-wide split").click();
     settle(&mut window);
     assert!(figure(&window, "SAH cost").starts_with(first.as_deref().expect("a figure")));
 }

@@ -116,7 +116,7 @@ fn every_tree_is_valid_on_every_hard_case() {
 
 #[test]
 fn halving_4977_boxes_gives_5857_nodes() {
-    let config = BuildConfig { builder: Builder::Median, ..BuildConfig::default() };
+    let config = BuildConfig { builder: Builder::Median, width: Width::W2, ..BuildConfig::default() };
     assert_eq!(tree(&random_boxes(4977, 10.0, 0.1), &config).node_count(), 5857);
 }
 
@@ -156,7 +156,13 @@ fn the_sweep_finds_the_best_split_at_the_root() {
     let cases = [2, 3, 10, 60].into_iter().flat_map(|count| Block::ALL.map(|block| (count, block)));
     for (count, block) in cases {
         let boxes = random_boxes(count, 5.0, 2.0);
-        let config = BuildConfig { builder: Builder::Sweep, leaf: 1, block, ..BuildConfig::default() };
+        let config = BuildConfig {
+            builder: Builder::Sweep,
+            width: Width::W2,
+            leaf: 1,
+            block,
+            ..BuildConfig::default()
+        };
         let tree = tree(&boxes, &config);
         let mut cost = 0.0;
         tree.walk(|view| {
@@ -269,7 +275,7 @@ fn wide_trees_are_the_binary_tree_with_children_opened() {
         [(random_boxes(3000, 5.0, 1.0), Builder::Binned), (random_boxes(400, 5.0, 1.0), Builder::Sweep)]
     {
         for how in [Widen::Split, Widen::Collapse] {
-            let config = BuildConfig { builder, widen: how, ..BuildConfig::default() };
+            let config = BuildConfig { builder, width: Width::W2, widen: how, ..BuildConfig::default() };
             let bvh = binary(&tree(&boxes, &config));
             let widened = |width| match width {
                 Width::W2 => Tree::W2(widen(&bvh, &config, &Task::new()).expect("not cancelled")),
@@ -316,7 +322,7 @@ fn no_way_of_widening_costs_less_than_the_optimal_one() {
         [(9, Width::W4, 1), (11, Width::W4, 4), (13, Width::W8, 3), (6, Width::W8, 64)]
     {
         let boxes = random_boxes(count, 5.0, 1.0);
-        let binary_config = BuildConfig { leaf: 1, ..BuildConfig::default() };
+        let binary_config = BuildConfig { width: Width::W2, leaf: 1, ..BuildConfig::default() };
         let bvh = binary(&tree(&boxes, &binary_config));
         let (least, _) = least_cost(&bvh, 0, 1, width.get(), leaf);
         let cost = |widen| {

@@ -178,9 +178,10 @@ pub fn summary(config: &BuildConfig) -> String {
     if config.block != Block::default() {
         text += &format!(" · blocks of {}", config.block.name());
     }
-    if config.width != Width::W2 {
-        text += &format!(" · width {} {}", config.width.name(), config.widen.name());
-    }
+    text += &match config.width {
+        Width::W2 => " · binary".to_owned(),
+        width => format!(" · {}-wide {}", width.name(), config.widen.name()),
+    };
     if config.improver != Improver::None {
         let (name, rounds, share) = (config.improver.name(), config.rounds, config.share);
         text += &format!(" · {name} {rounds} x {share}");
@@ -356,10 +357,10 @@ mod tests {
     #[test]
     fn a_summary_says_what_differs_and_nothing_else() {
         let config = BuildConfig::default();
-        assert_eq!(summary(&config), "binned 16 · leaf 2");
+        assert_eq!(summary(&config), "binned 16 · leaf 2 · 8-wide split");
         let config =
-            BuildConfig { builder: Builder::Sweep, width: Width::W8, widen: Widen::Collapse, ..config };
-        assert_eq!(summary(&config), "sweep · leaf 2 · width 8 collapse");
+            BuildConfig { builder: Builder::Sweep, width: Width::W4, widen: Widen::Collapse, ..config };
+        assert_eq!(summary(&config), "sweep · leaf 2 · 4-wide collapse");
         let config = BuildConfig {
             improver: Improver::Reinsertion,
             width: Width::W4,
@@ -367,8 +368,13 @@ mod tests {
             stop: StopRule::Cost,
             ..BuildConfig::default()
         };
-        assert_eq!(summary(&config), "binned 16 · leaf 2 · width 4 optimal · reinsertion 10 x 0.1");
-        let config = BuildConfig { stop: StopRule::Cost, traversal_cost: 1.5, ..BuildConfig::default() };
-        assert_eq!(summary(&config), "binned 16 · leaf 2 · stop cost · costs 1.5 1");
+        assert_eq!(summary(&config), "binned 16 · leaf 2 · 4-wide optimal · reinsertion 10 x 0.1");
+        let config = BuildConfig {
+            width: Width::W2,
+            stop: StopRule::Cost,
+            traversal_cost: 1.5,
+            ..BuildConfig::default()
+        };
+        assert_eq!(summary(&config), "binned 16 · leaf 2 · binary · stop cost · costs 1.5 1");
     }
 }

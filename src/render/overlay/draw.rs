@@ -173,7 +173,7 @@ mod tests {
     use super::*;
     use crate::accel::quality::sah_shares;
     use crate::accel::tree::LeafRange;
-    use crate::accel::{ChildRef, WideBvh, tree::WideNode};
+    use crate::accel::{BuildConfig, ChildRef, WideBvh, Width, tree::WideNode};
     use crate::geometry::Aabb;
     use crate::render::BoxColor;
 
@@ -367,7 +367,7 @@ mod tests {
             |scale: f32| Vec3::from_array(std::array::from_fn(|_| scale * rng.random_range(-1.0..1.0)));
         let boxes: Vec<Aabb> = (0..200).map(|_| Aabb::from_points([point(8.0)])).collect();
         let boxes: Vec<Aabb> = boxes.iter().map(|b| b.grown(b.min + point(3.0))).collect();
-        let config = crate::accel::BuildConfig::default();
+        let config = BuildConfig { width: Width::W2, ..BuildConfig::default() };
         crate::accel::build(&boxes, &config, &Task::new()).expect("nobody cancels").0
     }
 
