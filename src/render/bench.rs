@@ -126,7 +126,9 @@ pub fn make_rays(
         .map(|band| {
             let (top, bottom) = (band * BLOCK, height.min((band + 1) * BLOCK));
             let mut rays = Vec::with_capacity(width * (bottom - top));
-            for [x, y] in in_blocks([0, top], [width, bottom]) {
+            let mut pixels = Vec::new();
+            in_blocks([0, top], [width, bottom], &mut pixels);
+            for [x, y] in pixels {
                 task.check()?;
                 rays.extend(ray_of(kind, &pass, x, y));
             }

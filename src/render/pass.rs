@@ -24,6 +24,8 @@ pub struct Pass<'a> {
     pub max_depth: u32,
     /// Number of the sample, from 0. Sample 0 goes through the pixel's centre.
     pub sample: u32,
+    /// Where in its pixel every camera ray goes, in pixels from the top left.
+    pixel_offset: Vec2,
     /// Where on flat and round lights all pixels of this sample sample them, for Whitted and the shadow views.
     pub light_point: Vec2,
     /// That point of every flat light, up to [`LIGHTS_MAX`] lights.
@@ -54,6 +56,7 @@ impl<'a> Pass<'a> {
             seed: settings.seed,
             max_depth: settings.max_depth,
             sample,
+            pixel_offset: pixel_offset(sample),
             light_point,
             light_pick: shared_pick(sample),
         }
@@ -73,7 +76,7 @@ impl<'a> Pass<'a> {
     /// The camera ray of this sample.
     #[inline]
     pub fn camera_ray(&self, x: u32, y: u32) -> Ray {
-        self.camera.ray(Vec2::new(x as f32, y as f32) + pixel_offset(self.sample))
+        self.camera.ray(Vec2::new(x as f32, y as f32) + self.pixel_offset)
     }
 
     /// The random numbers of a pixel in this sample.

@@ -46,7 +46,7 @@ where
         task.check()?;
         let (left, top) = (index % columns * TILE, index / columns * TILE);
         pixels.clear();
-        pixels.extend(in_blocks([left, top], [(left + TILE).min(width), (top + TILE).min(height)]));
+        in_blocks([left, top], [(left + TILE).min(width), (top + TILE).min(height)], pixels);
         found.clear();
         found.resize(pixels.len(), T::default());
         tile(state, pixels, found)?;
@@ -62,15 +62,16 @@ where
     Ok(Tiled { tiles, columns })
 }
 
-/// The pixels from `from` to before `to`, square by square, each of which makes a packet.
-pub(super) fn in_blocks(from: [usize; 2], to: [usize; 2]) -> impl Iterator<Item = [u32; 2]> {
-    let corners = (from[1]..to[1])
-        .step_by(BLOCK)
-        .flat_map(move |top| (from[0]..to[0]).step_by(BLOCK).map(move |left| [left, top]));
-    corners.flat_map(move |[left, top]| {
-        let (right, bottom) = (to[0].min(left + BLOCK), to[1].min(top + BLOCK));
-        (top..bottom).flat_map(move |y| (left..right).map(move |x| [x as u32, y as u32]))
-    })
+/// Adds the pixels from `from` to before `to`, square by square, each of which makes a packet.
+pub(super) fn in_blocks(from: [usize; 2], to: [usize; 2], pixels: &mut Vec<[u32; 2]>) {
+    for top in (from[1]..to[1]).step_by(BLOCK) {
+        for left in (from[0]..to[0]).step_by(BLOCK) {
+            for y in top..to[1].min(top + BLOCK) {
+                // Loops instead of one chain of iterators, which took a tenth of a heatmap's time.
+                pixels.extend((left..to[0].min(left + BLOCK)).map(|x| [x as u32, y as u32]));
+            }
+        }
+    }
 }
 
 /// As [`tiles`], pixel by pixel.
@@ -199,13 +200,16 @@ mod tests {
 
     #[test]
     fn a_tile_s_pixels_come_in_squares_that_fill_packets() {
-        let pixels: Vec<_> = in_blocks([16, 32], [32, 48]).collect();
+        let mut pixels = Vec::new();
+        in_blocks([16, 32], [32, 48], &mut pixels);
         assert_eq!(pixels.len(), TILE * TILE);
         for block in pixels.chunks(PACKET) {
             let [x, y] = block[0];
             assert!(block.iter().all(|p| p[0] / 8 == x / 8 && p[1] / 8 == y / 8), "{block:?}");
         }
-        assert_eq!(in_blocks([32, 48], [40, 60]).count(), 8 * 12);
+        pixels.clear();
+        in_blocks([32, 48], [40, 60], &mut pixels);
+        assert_eq!(pixels.len(), 8 * 12);
     }
 
     #[test]

@@ -63,7 +63,7 @@ impl Default for Camera {
 }
 
 /// A camera prepared for a picture of a given size: unit vectors to the right, up and forward, and half the picture's
-/// width and height at distance 1.
+/// width and height at distance 1, where a pixel is `pixel_size` wide and high.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraFrame {
     pub eye: Vec3,
@@ -71,6 +71,7 @@ pub struct CameraFrame {
     pub up: Vec3,
     pub forward: Vec3,
     pub half_size: Vec2,
+    pub pixel_size: Vec2,
     pub size: Vec2,
 }
 
@@ -93,12 +94,14 @@ impl Camera {
         let (right, up, forward) = self.axes();
         let size = Vec2::new(width.max(1) as f32, height.max(1) as f32);
         let half_height = self.half_fov().tan() as f32;
+        let half_size = Vec2::new(half_height * size.x / size.y, half_height);
         CameraFrame {
             eye: finite_or_zero(self.eye.as_dvec3()).as_vec3(),
             right: right.as_vec3(),
             up: up.as_vec3(),
             forward: forward.as_vec3(),
-            half_size: Vec2::new(half_height * size.x / size.y, half_height),
+            half_size,
+            pixel_size: 2.0 * half_size / size,
             size,
         }
     }
@@ -237,9 +240,8 @@ impl CameraFrame {
     /// The ray through a point of the picture, in pixels from the top left; unit direction.
     #[inline]
     pub fn ray(&self, pixel: Vec2) -> Ray {
-        let x = (2.0 * pixel.x / self.size.x - 1.0) * self.half_size.x;
-        let y = (1.0 - 2.0 * pixel.y / self.size.y) * self.half_size.y;
-        Ray::new(self.eye, (self.forward + x * self.right + y * self.up).normalize())
+        let at = pixel * self.pixel_size - self.half_size;
+        Ray::new(self.eye, (self.forward + at.x * self.right - at.y * self.up).normalize())
     }
 
     /// Where a point lies: pixels from the top left, and the distance along `forward` (negative behind the camera).

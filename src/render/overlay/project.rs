@@ -226,6 +226,7 @@ pub(super) mod tests {
             up: Vec3::Y,
             forward: Vec3::NEG_Z,
             half_size: Vec2::ONE,
+            pixel_size: Vec2::splat(0.02),
             size: Vec2::splat(100.0),
         }
     }
