@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bvhscope::accel::simd::SimdLevel;
-use bvhscope::accel::{Block, BuildConfig, Builder, Improver, StopRule, Widen, Width};
+use bvhscope::accel::{Block, BuildConfig, Builder, Improver, Morton, StopRule, Widen, Width};
 use bvhscope::export::session_file;
 use bvhscope::render::{
     BoxColor, BoxStyle, ColorMap, CountKind, DisplaySettings, OverlaySettings, RenderSettings, ToneMap, View,
@@ -36,12 +36,23 @@ fn build() -> impl Strategy<Value = BuildConfig> {
         select(&StopRule::ALL[..]),
         select(&Block::ALL[..]),
         select(&Improver::ALL[..]),
+        select(&Morton::ALL[..]),
     );
+    let cuts = (BuildConfig::RADIUS, 0.0f32..=1.0, 0.0f32..=BuildConfig::MAX_BUDGET);
     let costs = (1e-6f32..1000.0, 1e-6f32..1000.0);
-    let numbers =
-        (BuildConfig::BINS, BuildConfig::LEAF, BuildConfig::ROUNDS, BuildConfig::MIN_SHARE..=1.0, costs);
+    let numbers = (
+        BuildConfig::BINS,
+        BuildConfig::LEAF,
+        BuildConfig::ROUNDS,
+        BuildConfig::MIN_SHARE..=1.0,
+        costs,
+        cuts,
+    );
     (choices, numbers).prop_map(
-        |((builder, width, widen, stop, block, improver), (bins, leaf, rounds, share, (ct, ci)))| {
+        |(
+            (builder, width, widen, stop, block, improver, morton),
+            (bins, leaf, rounds, share, (ct, ci), (radius, split_alpha, split_budget)),
+        )| {
             BuildConfig {
                 builder,
                 width,
@@ -49,6 +60,10 @@ fn build() -> impl Strategy<Value = BuildConfig> {
                 stop,
                 block,
                 improver,
+                morton,
+                radius,
+                split_alpha,
+                split_budget,
                 rounds,
                 share,
                 bins,

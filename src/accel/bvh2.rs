@@ -47,7 +47,7 @@ struct Open<T> {
 
 impl Bvh2 {
     /// Nodes that are not there yet.
-    const PLACE: Bvh2Node = Bvh2Node { bounds: Aabb::EMPTY, first: 0, count: 0 };
+    pub(super) const PLACE: Bvh2Node = Bvh2Node { bounds: Aabb::EMPTY, first: 0, count: 0 };
 
     /// The same tree in depth-first order.
     pub fn from_wide(tree: &WideBvh<2>) -> Self {
@@ -100,6 +100,50 @@ impl Bvh2 {
             copy.nodes[to] = Bvh2Node { first: first as u32, ..node };
         }
         copy
+    }
+
+    /// Lets no leaf lie deeper than `most`: what would reach below is halved by count, in the order that the leaves have.
+    /// For trees in depth-first order, with less than 2 to the power of `most` leaves.
+    pub fn limit_depth(&mut self, most: usize) {
+        let mut heights = vec![0_usize; self.nodes.len()];
+        let mut leaf_counts = vec![1_usize; self.nodes.len()];
+        for (i, node) in self.nodes.iter().enumerate().rev().filter(|(_, node)| !node.is_leaf()) {
+            let [left, right] = node.children().map(|child| child as usize);
+            heights[i] = 1 + heights[left].max(heights[right]);
+            leaf_counts[i] = leaf_counts[left] + leaf_counts[right];
+        }
+        let mut open = if self.nodes.is_empty() { Vec::new() } else { vec![(0_u32, 0)] };
+        while let Some((node_idx, depth)) = open.pop() {
+            let at = node_idx as usize;
+            if depth + heights[at] <= most {
+                continue;
+            }
+            let children = self.nodes[at].children();
+            let halved = |child: u32| leaf_counts[child as usize].next_power_of_two().ilog2() as usize;
+            if children.iter().all(|&child| depth + 1 + halved(child) <= most) {
+                open.extend(children.map(|child| (child, depth + 1)));
+            } else {
+                // All that lies below follows the pair of children.
+                let first = self.nodes[at].first as usize;
+                let below = &self.nodes[first..first + 2 * (leaf_counts[at] - 1)];
+                let mut leaves: Vec<_> = below.iter().filter(|node| node.is_leaf()).copied().collect();
+                leaves.sort_unstable_by_key(|leaf| leaf.first);
+                self.halve(at, &leaves, first);
+            }
+        }
+    }
+
+    /// Makes a balanced tree of leaves, with its root at `at` and all below from `first` on.
+    fn halve(&mut self, at: usize, leaves: &[Bvh2Node], first: usize) {
+        if let [leaf] = leaves {
+            self.nodes[at] = *leaf;
+            return;
+        }
+        let (left, right) = leaves.split_at(leaves.len() / 2);
+        self.halve(first, left, first + 2);
+        self.halve(first + 1, right, first + 2 * left.len());
+        let bounds = self.nodes[first].bounds.union(self.nodes[first + 1].bounds);
+        self.nodes[at] = Bvh2Node { bounds, first: first as u32, count: 0 };
     }
 
     /// Of the deepest leaf; the root is at depth 0.

@@ -13,10 +13,23 @@ pub enum Builder {
     #[default]
     Binned,
     Spatial,
+    Lbvh,
+    Ploc,
+    Midpoint,
+    Random,
 }
 
 impl Builder {
-    pub const ALL: [Self; 4] = [Self::Median, Self::Sweep, Self::Binned, Self::Spatial];
+    pub const ALL: [Self; 8] = [
+        Self::Median,
+        Self::Sweep,
+        Self::Binned,
+        Self::Spatial,
+        Self::Lbvh,
+        Self::Ploc,
+        Self::Midpoint,
+        Self::Random,
+    ];
 
     /// The stable name, as in `--builder NAME`.
     pub fn name(self) -> &'static str {
@@ -25,6 +38,10 @@ impl Builder {
             Self::Sweep => "sweep",
             Self::Binned => "binned",
             Self::Spatial => "spatial",
+            Self::Lbvh => "lbvh",
+            Self::Ploc => "ploc",
+            Self::Midpoint => "midpoint",
+            Self::Random => "random",
         }
     }
 
@@ -37,6 +54,18 @@ impl Builder {
             Self::Sweep => "full sweep: every position on all three axes, least SAH split cost",
             Self::Binned => "binned SAH: the same over a few bins instead of every position",
             Self::Spatial => "binned SAH with spatial splits: large shapes are cut where boxes would overlap",
+            Self::Lbvh => {
+                "linear: sort along the Morton curve, split where the highest bit of the codes changes"
+            }
+            Self::Ploc => {
+                "bottom-up: of neighbours along the Morton curve, pairs with the smallest box are merged"
+            }
+            Self::Midpoint => {
+                "spatial middle: split halfway between the outermost centroids on their longest axis"
+            }
+            Self::Random => {
+                "the worst case: shapes are shuffled, every node is split at the middle of its list"
+            }
         }
     }
 
@@ -49,8 +78,18 @@ impl Builder {
     pub fn uses_bins(self) -> bool {
         match self {
             Self::Binned | Self::Spatial => true,
-            Self::Median | Self::Sweep => false,
+            Self::Median | Self::Sweep | Self::Lbvh | Self::Ploc | Self::Midpoint | Self::Random => false,
         }
+    }
+
+    /// Whether shapes are sorted along the Morton curve, so that `--morton` changes the tree.
+    pub fn uses_morton(self) -> bool {
+        matches!(self, Self::Lbvh | Self::Ploc)
+    }
+
+    /// Whether splits have a price, so that `--block` and the stop rule `cost` change the tree.
+    pub fn weighs_cost(self) -> bool {
+        self != Self::Median
     }
 }
 
@@ -229,6 +268,56 @@ impl Improver {
     }
 }
 
+/// Bits of a Morton code: a third of them an axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(try_from = "usize", into = "usize")]
+pub enum Morton {
+    Bits30,
+    #[default]
+    Bits63,
+}
+
+impl Morton {
+    pub const ALL: [Self; 2] = [Self::Bits30, Self::Bits63];
+
+    pub fn get(self) -> usize {
+        match self {
+            Self::Bits30 => 30,
+            Self::Bits63 => 63,
+        }
+    }
+
+    /// `30` or `63`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bits30 => "30",
+            Self::Bits63 => "63",
+        }
+    }
+
+    /// One line for lists and tooltips.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Bits30 => "1,024 cells an axis: shapes of one cell are not told apart",
+            Self::Bits63 => "2,097,152 cells an axis",
+        }
+    }
+}
+
+impl From<Morton> for usize {
+    fn from(morton: Morton) -> usize {
+        morton.get()
+    }
+}
+
+impl TryFrom<usize> for Morton {
+    type Error = ConfigError;
+
+    fn try_from(bits: usize) -> Result<Self, ConfigError> {
+        Self::ALL.into_iter().find(|m| m.get() == bits).ok_or(ConfigError::Morton { bits })
+    }
+}
+
 /// When a node becomes a leaf.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -268,6 +357,17 @@ pub struct BuildConfig {
     pub stop: StopRule,
     /// Number of bins an axis, in [`BuildConfig::BINS`].
     pub bins: usize,
+    /// Of the builders `lbvh` and `ploc`.
+    pub morton: Morton,
+    /// Neighbours on either side along the Morton curve among which `ploc` looks for the nearest, in
+    /// [`BuildConfig::RADIUS`].
+    pub radius: usize,
+    /// The share of the root's area from which on an overlap of boxes makes `spatial` try to cut shapes, from 0 to 1: the
+    /// paper's alpha.
+    pub split_alpha: f32,
+    /// The most references that cuts of `spatial` may add, as a share of the shapes; from 0 to
+    /// [`BuildConfig::MAX_BUDGET`].
+    pub split_budget: f32,
     /// Most references in a leaf, in [`BuildConfig::LEAF`].
     pub leaf: usize,
     pub block: Block,
@@ -293,6 +393,10 @@ impl Default for BuildConfig {
             widen: Widen::default(),
             stop: StopRule::default(),
             bins: 16,
+            morton: Morton::default(),
+            radius: 14,
+            split_alpha: 1e-5,
+            split_budget: 0.5,
             leaf: 2,
             block: Block::default(),
             improver: Improver::default(),
@@ -312,6 +416,14 @@ pub enum ConfigError {
     Width { width: usize },
     #[error("block {block} is not one of 1, 2, 4, 8")]
     Block { block: usize },
+    #[error("morton {bits} is not one of 30, 63")]
+    Morton { bits: usize },
+    #[error("radius {radius} is outside 1 to 128")]
+    Radius { radius: usize },
+    #[error("split-alpha {alpha} is not a number from 0 to 1")]
+    Alpha { alpha: f32 },
+    #[error("split-budget {budget} is not a number from 0 to 4")]
+    Budget { budget: f32 },
     #[error("bins {bins} is outside 2 to 256")]
     Bins { bins: usize },
     #[error("leaf {leaf} is outside 1 to 64")]
@@ -329,6 +441,8 @@ pub enum ConfigError {
 impl BuildConfig {
     pub const BINS: std::ops::RangeInclusive<usize> = 2..=256;
     pub const LEAF: std::ops::RangeInclusive<usize> = 1..=64;
+    pub const RADIUS: std::ops::RangeInclusive<usize> = 1..=128;
+    pub const MAX_BUDGET: f32 = 4.0;
     pub const ROUNDS: std::ops::RangeInclusive<usize> = 1..=1000;
     /// The least share of the nodes that a round may move.
     pub const MIN_SHARE: f32 = 1e-6;
@@ -361,6 +475,15 @@ impl BuildConfig {
         }
         if !Self::LEAF.contains(&self.leaf) {
             return Err(ConfigError::Leaf { leaf: self.leaf });
+        }
+        if !Self::RADIUS.contains(&self.radius) {
+            return Err(ConfigError::Radius { radius: self.radius });
+        }
+        if !(0.0..=1.0).contains(&self.split_alpha) {
+            return Err(ConfigError::Alpha { alpha: self.split_alpha });
+        }
+        if !(0.0..=Self::MAX_BUDGET).contains(&self.split_budget) {
+            return Err(ConfigError::Budget { budget: self.split_budget });
         }
         if !Self::ROUNDS.contains(&self.rounds) {
             return Err(ConfigError::Rounds { rounds: self.rounds });

@@ -15,6 +15,6 @@ pub mod widen;
 
 pub use build::{BuildPhase, BuildReport, Shapes, build, build_over};
 pub use bvh2::{Bvh2, Bvh2Node};
-pub use config::{Block, BuildConfig, Builder, ConfigError, Improver, StopRule, Widen, Width};
+pub use config::{Block, BuildConfig, Builder, ConfigError, Improver, Morton, StopRule, Widen, Width};
 pub use traverse::{LeafIntersector, Probe, RayCounters};
 pub use tree::{ChildRef, NodeId, NodeKind, NodeView, Tree, WideBvh};

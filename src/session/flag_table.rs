@@ -7,7 +7,7 @@ use super::values::{
     read_int, read_named, read_optional, read_size, read_span, read_switch, span_text, switch_text,
 };
 use crate::accel::simd::SimdLevel;
-use crate::accel::{Block, BuildConfig, Builder, Improver, StopRule, Widen, Width};
+use crate::accel::{Block, BuildConfig, Builder, Improver, Morton, StopRule, Widen, Width};
 use crate::render::{BoxColor, BoxStyle, ColorMap, CountKind, ToneMap, View};
 use crate::scene::{ShadowRule, UpAxis};
 
@@ -60,6 +60,44 @@ pub(super) static FLAGS: &[Flag] = &[
         choices: no_choices,
         set: |s, text| read_int(text, BuildConfig::BINS).map(|v| s.build_mut().bins = v),
         get: |s| s.build().bins.to_string(),
+    },
+    Flag {
+        name: "morton",
+        value_name: Some("BITS"),
+        group: FlagGroup::Tree,
+        help: "Bits of a Morton code, of the builders lbvh and ploc",
+        choices: choices::<Morton>,
+        set: |s, text| read_named(text).map(|v| s.build_mut().morton = v),
+        get: |s| s.build().morton.name().to_owned(),
+    },
+    Flag {
+        name: "radius",
+        value_name: Some("N"),
+        group: FlagGroup::Tree,
+        help: "Neighbours on either side that ploc compares, 1 to 128",
+        choices: no_choices,
+        set: |s, text| read_int(text, BuildConfig::RADIUS).map(|v| s.build_mut().radius = v),
+        get: |s| s.build().radius.to_string(),
+    },
+    Flag {
+        name: "split-alpha",
+        value_name: Some("X"),
+        group: FlagGroup::Tree,
+        help: "From which overlap on, as a share of the root's area, spatial tries to cut shapes; up to 1",
+        choices: no_choices,
+        set: |s, text| read_float(text, 0.0..=1.0).map(|v| s.build_mut().split_alpha = v),
+        get: |s| float_text(s.build().split_alpha),
+    },
+    Flag {
+        name: "split-budget",
+        value_name: Some("X"),
+        group: FlagGroup::Tree,
+        help: "Most references that spatial may add, as a share of the shapes; up to 4",
+        choices: no_choices,
+        set: |s, text| {
+            read_float(text, 0.0..=BuildConfig::MAX_BUDGET).map(|v| s.build_mut().split_budget = v)
+        },
+        get: |s| float_text(s.build().split_budget),
     },
     Flag {
         name: "leaf",

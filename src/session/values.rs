@@ -9,7 +9,7 @@ use std::str::FromStr;
 use glam::Vec3;
 
 use crate::accel::simd::SimdLevel;
-use crate::accel::{Block, Builder, Improver, StopRule, Widen, Width};
+use crate::accel::{Block, Builder, Improver, Morton, StopRule, Widen, Width};
 use crate::render::{BoxColor, BoxStyle, ColorMap, CountKind, ToneMap, View};
 use crate::scene::{Camera, ShadowRule, UpAxis};
 
@@ -51,6 +51,7 @@ named! {
     Width: |_| "";
     Block: Self::description;
     Improver: Self::description;
+    Morton: Self::description;
     Widen: Self::description;
     SimdLevel: Self::description;
     StopRule: Self::description;
@@ -237,7 +238,7 @@ mod tests {
         assert_eq!(read_float("NaN", 0.0..=1.0).unwrap_err(), "allowed is a number from 0 to 1");
         assert_eq!(
             read_named::<Builder>("best").unwrap_err(),
-            "choose one of median, sweep, binned, spatial"
+            "choose one of median, sweep, binned, spatial, lbvh, ploc, midpoint, random"
         );
         assert!(read_size("0x720").unwrap_err().contains("1280x720"));
         assert!(read_span("5..4.9").unwrap_err().contains("LO not above HI"));

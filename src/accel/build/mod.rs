@@ -3,8 +3,14 @@
 mod binned;
 mod bound;
 mod few;
+mod lbvh;
+mod leaves;
 mod median;
+mod midpoint;
+mod morton;
 mod order;
+mod ploc;
+mod random;
 mod segment;
 mod spatial;
 mod sweep;
@@ -20,6 +26,8 @@ use super::config::{BuildConfig, Builder, Improver, StopRule, Width};
 use super::optimize::improve;
 use super::tree::{Tree, WideBvh};
 use super::widen::widen;
+
+use order::RefSlice;
 
 pub use binned::bin_index;
 
@@ -127,7 +135,20 @@ pub fn build_over<B: Shapes + ?Sized>(
         false => *config,
     };
     let input = match config.builder {
-        Builder::Median | Builder::Binned => Input::Refs(order::build_refs(count, bounds, task)?),
+        Builder::Median | Builder::Binned | Builder::Midpoint | Builder::Random => {
+            Input::Refs(order::build_refs(count, bounds, task)?)
+        }
+        Builder::Lbvh | Builder::Ploc => {
+            let refs = order::build_refs(count, bounds, task)?;
+            clock.finish("prepare");
+            let bvh = match config.builder {
+                Builder::Lbvh => lbvh::build(&refs, config, task)?,
+                _ => ploc::build(&refs, config, task)?,
+            };
+            let bvh = leaves::stopped(bvh, &binary_config);
+            clock.finish("split");
+            Input::Binary(bvh)
+        }
         Builder::Sweep => Input::Boxes((0..count as u32).map(bounds).collect()),
         Builder::Spatial => {
             let refs = order::build_refs(count, bounds, task)?;
@@ -209,11 +230,22 @@ fn top_down<const N: usize>(
         }
         Input::Refs(mut refs) => {
             clock.finish("prepare");
-            let order = order::RefSlice::new(&mut refs);
-            if config.builder == Builder::Median {
-                top_down::build(order, &median::Median, config, task, clock)
-            } else {
-                top_down::build(order, &binned::Binned::new(config, task), config, task, clock)
+            match config.builder {
+                Builder::Median => {
+                    top_down::build(RefSlice::new(&mut refs), &median::Median, config, task, clock)
+                }
+                Builder::Midpoint => {
+                    let splitter = midpoint::Midpoint::new(config);
+                    top_down::build(RefSlice::new(&mut refs), &splitter, config, task, clock)
+                }
+                Builder::Random => {
+                    let splitter = random::Random::new(config, &mut refs);
+                    top_down::build(RefSlice::new(&mut refs), &splitter, config, task, clock)
+                }
+                _ => {
+                    let splitter = binned::Binned::new(config, task);
+                    top_down::build(RefSlice::new(&mut refs), &splitter, config, task, clock)
+                }
             }
         }
         Input::Binary(_) => unreachable!("a finished binary tree is not split again"),

@@ -16,11 +16,6 @@ use super::bound::{BlockCount, Bound};
 use super::order::{BuildRef, Order, RefSlice};
 use super::top_down::{CHECK_MIN, Splitter, fits_depth, pays};
 
-/// The share of the root's area from which on the overlap of an object split's boxes makes spatial splits worth a try: the
-/// paper's alpha.
-const OVERLAP_MIN: f32 = 1e-5;
-/// The most references that cuts may add, as a share of the shapes.
-const DUPLICATION: f64 = 0.5;
 /// Planes that are tried along an axis, at most: each reference is clipped between all that it reaches across.
 const MOST_PLANES: usize = 32;
 /// Below this many references the two sides of a node are not shared among threads.
@@ -77,11 +72,6 @@ struct Slot {
     ends: usize,
 }
 
-/// Most references of a tree over `count` shapes.
-fn most_refs(count: usize) -> usize {
-    count + (count as f64 * DUPLICATION) as usize
-}
-
 /// Builds the binary tree. It is the same at any thread count.
 ///
 /// # Errors
@@ -103,9 +93,9 @@ pub fn build<B: Shapes + ?Sized>(
         config,
         task,
         blocks: BlockCount::new(config.block),
-        overlap_min: bounds.half_area() * OVERLAP_MIN,
+        overlap_min: bounds.half_area() * config.split_alpha,
     };
-    let budget = most_refs(refs.len()) - refs.len();
+    let budget = (refs.len() as f64 * f64::from(config.split_budget)) as usize;
     let progress = refs.len() as u64;
     let root = context.grow(Member { count: refs.len(), refs, bounds, depth: 0, budget, progress })?;
     bvh.nodes.push(Bvh2Node { bounds: Aabb::EMPTY, first: 0, count: 0 });

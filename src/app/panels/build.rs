@@ -5,7 +5,7 @@ use std::time::Duration;
 use egui::{DragValue, Frame, Label, Margin, RichText, Slider, Ui};
 use egui_plot::{Line, PlotPoints, Points};
 
-use crate::accel::{Block, BuildConfig, Builder, Improver, StopRule, Widen, Width};
+use crate::accel::{Block, BuildConfig, Builder, Improver, Morton, StopRule, Widen, Width};
 use crate::app::commands::{Command, Commands};
 use crate::app::theme::Palette;
 use crate::app::view::{AppView, HistoryEntry};
@@ -54,6 +54,7 @@ impl BuildPanel {
             .inner
             .on_disabled_hover_text("Only the builders binned and spatial use bins.");
         let leaf_slider = widgets::integer_slider(ui, Term::Leaf, &mut leaf, BuildConfig::LEAF, true);
+        let of_builder = builder_sliders(ui, config, commands);
         let (mut rounds, mut share) = (config.rounds, config.share);
         let mut improver_dragged = false;
         if config.improver != Improver::None {
@@ -69,7 +70,7 @@ impl BuildPanel {
         if share != config.share {
             commands.edit(move |s| s.build_mut().share = share);
         }
-        let held = bins_slider.dragged() || leaf_slider.dragged() || improver_dragged;
+        let held = bins_slider.dragged() || leaf_slider.dragged() || of_builder || improver_dragged;
         if held && !self.held {
             commands.push(Command::HoldRange(true));
         }
@@ -83,6 +84,36 @@ impl BuildPanel {
             commands.push(Command::HoldRange(false));
         }
         self.held = held;
+    }
+}
+
+/// The sliders that one builder alone has. Whether one is dragged.
+fn builder_sliders(ui: &mut Ui, config: &BuildConfig, commands: &mut Commands) -> bool {
+    match config.builder {
+        Builder::Ploc => {
+            let mut radius = config.radius;
+            let slider = widgets::integer_slider(ui, Term::Radius, &mut radius, BuildConfig::RADIUS, true);
+            if radius != config.radius {
+                commands.edit(move |s| s.build_mut().radius = radius);
+            }
+            slider.dragged()
+        }
+        Builder::Spatial => {
+            let (mut alpha, mut budget) = (config.split_alpha, config.split_budget);
+            let slider = Slider::new(&mut alpha, 0.0..=1.0).logarithmic(true).smallest_positive(1e-7);
+            let slider = slider.custom_formatter(|alpha, _| format!("{alpha:.1e}"));
+            let of_alpha = widgets::slider(ui, Term::SplitAlpha, slider.trailing_fill(true));
+            let slider = Slider::new(&mut budget, 0.0..=BuildConfig::MAX_BUDGET).max_decimals(2);
+            let of_budget = widgets::slider(ui, Term::SplitBudget, slider.trailing_fill(true));
+            if alpha != config.split_alpha {
+                commands.edit(move |s| s.build_mut().split_alpha = alpha);
+            }
+            if budget != config.split_budget {
+                commands.edit(move |s| s.build_mut().split_budget = budget);
+            }
+            of_alpha.dragged() || of_budget.dragged()
+        }
+        _ => false,
     }
 }
 
@@ -107,7 +138,15 @@ fn choices(ui: &mut Ui, config: &BuildConfig, commands: &mut Commands) {
             commands.edit(move |s| s.build_mut().widen = widen);
         }
     }
-    let median = config.builder == Builder::Median;
+    if config.builder.uses_morton() {
+        let describe = |m: Morton| (m.name(), m.description());
+        if let Some(morton) =
+            widgets::segmented(ui, Term::Morton, Some(config.morton), &Morton::ALL, &describe)
+        {
+            commands.edit(move |s| s.build_mut().morton = morton);
+        }
+    }
+    let median = !config.builder.weighs_cost();
     let describe = |b: Block| (b.name(), b.description());
     let block = ui.add_enabled_ui(!median, |ui| {
         widgets::segmented(ui, Term::Block, Some(config.block), &Block::ALL, &describe)
@@ -174,6 +213,21 @@ pub fn summary(config: &BuildConfig) -> String {
     if config.builder.uses_bins() {
         text += &format!(" {}", config.bins);
     }
+    if config.builder == Builder::Ploc {
+        text += &format!(" {}", config.radius);
+    }
+    if config.builder.uses_morton() && config.morton != Morton::default() {
+        text += &format!(" · {} bits", config.morton.name());
+    }
+    if config.builder == Builder::Spatial {
+        let default = BuildConfig::default();
+        if config.split_alpha != default.split_alpha {
+            text += &format!(" · alpha {:.1e}", config.split_alpha);
+        }
+        if config.split_budget != default.split_budget {
+            text += &format!(" · budget {}", config.split_budget);
+        }
+    }
     text += &format!(" · leaf {}", config.leaf);
     if config.block != Block::default() {
         text += &format!(" · blocks of {}", config.block.name());
@@ -186,7 +240,7 @@ pub fn summary(config: &BuildConfig) -> String {
         let (name, rounds, share) = (config.improver.name(), config.rounds, config.share);
         text += &format!(" · {name} {rounds} x {share}");
     }
-    if config.stop != StopRule::Limit && !config.is_optimal() && config.builder != Builder::Median {
+    if config.stop != StopRule::Limit && !config.is_optimal() && config.builder.weighs_cost() {
         text += &format!(" · stop {}", config.stop.name());
     }
     let costs = (config.traversal_cost, config.intersection_cost);

@@ -193,7 +193,7 @@ pub fn segmented<T: Copy + PartialEq>(
     row(ui, term, |ui| segments(ui, term, current, choices, describe))
 }
 
-/// The choices of [`segmented`] without a label in front, as wide as there is room.
+/// The choices of [`segmented`] without a label in front, as wide as there is room, in as many lines as they need.
 pub fn segments<T: Copy + PartialEq>(
     ui: &mut Ui,
     term: Term,
@@ -209,10 +209,19 @@ pub fn segments<T: Copy + PartialEq>(
             ui.painter().layout_no_wrap(describe(c).0.to_owned(), font.clone(), Color32::WHITE).size().x
         })
         .collect();
-    let room = ui.available_width().min(MOST_INPUT_WIDTH) - BETWEEN * (choices.len() - 1) as f32;
-    let pad = ((room - widths.iter().sum::<f32>()) / choices.len() as f32).max(2.0);
+    const LEAST_PAD: f32 = 2.0;
+    let room = ui.available_width().min(MOST_INPUT_WIDTH);
+    // What is left for each choice of a line, beside its text.
+    let pad = |widths: &[f32]| {
+        let between = BETWEEN * (widths.len() - 1) as f32;
+        (room - between - widths.iter().sum::<f32>()) / widths.len() as f32
+    };
+    let fits = |&a_line: &usize| widths.chunks(a_line).all(|line| pad(line) >= LEAST_PAD);
+    let lines = (1..=choices.len()).map(|lines| choices.len().div_ceil(lines));
+    let a_line = lines.into_iter().find(fits).unwrap_or(1).max(1);
     let mut clicked = None;
-    ui.horizontal(|ui| {
+    let mut line = |ui: &mut Ui, choices: &[T], widths: &[f32]| {
+        let pad = pad(widths).max(LEAST_PAD);
         ui.spacing_mut().item_spacing.x = BETWEEN;
         ui.spacing_mut().button_padding.x = 0.0;
         for (&choice, width) in choices.iter().zip(widths) {
@@ -226,6 +235,12 @@ pub fn segments<T: Copy + PartialEq>(
             if response.clicked() && !selected {
                 clicked = Some(choice);
             }
+        }
+    };
+    ui.vertical(|ui| {
+        ui.spacing_mut().item_spacing.y = BETWEEN;
+        for (choices, widths) in choices.chunks(a_line).zip(widths.chunks(a_line)) {
+            ui.horizontal(|ui| line(ui, choices, widths));
         }
     });
     clicked
