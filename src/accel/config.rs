@@ -247,15 +247,17 @@ pub enum Improver {
     #[default]
     None,
     Reinsertion,
+    Rotations,
 }
 
 impl Improver {
-    pub const ALL: [Self; 2] = [Self::None, Self::Reinsertion];
+    pub const ALL: [Self; 3] = [Self::None, Self::Reinsertion, Self::Rotations];
 
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
             Self::Reinsertion => "reinsertion",
+            Self::Rotations => "rotations",
         }
     }
 
@@ -264,6 +266,7 @@ impl Improver {
         match self {
             Self::None => "the tree stays as it was built",
             Self::Reinsertion => "subtrees are moved to where the sum of all areas is least",
+            Self::Rotations => "children and grandchildren change places where boxes become smaller",
         }
     }
 }

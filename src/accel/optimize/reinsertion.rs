@@ -9,16 +9,13 @@
 
 use rayon::prelude::*;
 
-use crate::accel::bvh2::{Bvh2, Bvh2Node};
+use crate::accel::bvh2::Bvh2Node;
 use crate::accel::config::BuildConfig;
 use crate::geometry::Aabb;
 use crate::task::{Cancelled, Task};
 
 /// Nodes between two looks at the cancel flag.
 const CHECK_EVERY: usize = 64;
-
-/// The least gain worth a round, as a share of the sum of all areas.
-const WORTHWHILE: f64 = 1e-7;
 
 /// A subtree that changes its place: it becomes the sibling of another one.
 #[derive(Clone, Copy, Debug)]
@@ -34,41 +31,18 @@ struct Reinserter {
     parents: Vec<u32>,
 }
 
-/// Improves a tree in place; `finished` is shown it after each round. Stops early when a round finds nothing.
+/// The nodes after one round, in any order; `None` if nothing moved.
 ///
 /// # Errors
 /// [`Cancelled`] when the task was.
-pub fn reinsert(
-    bvh: &mut Bvh2,
+pub fn round(
+    nodes: &[Bvh2Node],
     config: &BuildConfig,
     task: &Task,
-    finished: &mut dyn FnMut(&Bvh2),
-) -> Result<(), Cancelled> {
-    // A root and its two children leave nothing to choose.
-    if bvh.nodes.len() < 5 {
-        return Ok(());
-    }
-    for _ in 0..config.rounds {
-        let mut reinserter = Reinserter::new(bvh.nodes.clone());
-        let moves = reinserter.moves(config.share, task)?;
-        let before = sum_of_areas(&bvh.nodes);
-        if !reinserter.make(&moves) {
-            break;
-        }
-        let better = Bvh2 { nodes: reinserter.nodes, refs: std::mem::take(&mut bvh.refs) };
-        let gained = before - sum_of_areas(&better.nodes);
-        if gained <= WORTHWHILE * before || better.depth_max() > BuildConfig::MAX_DEPTH {
-            bvh.refs = better.refs;
-            break;
-        }
-        *bvh = better.in_depth_first_order();
-        finished(bvh);
-    }
-    Ok(())
-}
-
-fn sum_of_areas(nodes: &[Bvh2Node]) -> f64 {
-    nodes.iter().filter(|node| !node.is_leaf()).map(|node| f64::from(node.bounds.half_area())).sum()
+) -> Result<Option<Vec<Bvh2Node>>, Cancelled> {
+    let mut reinserter = Reinserter::new(nodes.to_vec());
+    let moves = reinserter.moves(config.share, task)?;
+    Ok(reinserter.make(&moves).then_some(reinserter.nodes))
 }
 
 /// The other child of the same parent.
@@ -259,7 +233,9 @@ impl Reinserter {
 mod tests {
     use glam::Vec3;
 
+    use super::super::{improve, sum_of_areas};
     use super::*;
+    use crate::accel::bvh2::Bvh2;
     use crate::accel::{Builder, Improver, Tree, Width, build};
 
     /// Two clusters far apart, and a tree that was built wrong: each half has boxes of both.
@@ -282,8 +258,7 @@ mod tests {
     fn what_belongs_together_is_brought_together() {
         let mut bvh = mixed();
         let before = sum_of_areas(&bvh.nodes);
-        let mut rounds = 0;
-        reinsert(&mut bvh, &config(10), &Task::new(), &mut |_| rounds += 1).expect("not cancelled");
+        let rounds = improve(&mut bvh, &config(10), &Task::new()).expect("not cancelled").len() - 1;
         let pair = Aabb::new(Vec3::ZERO, Vec3::new(3.0, 1.0, 1.0)).half_area();
         let root = bvh.nodes[0].bounds.half_area();
         let after = sum_of_areas(&bvh.nodes);
@@ -332,6 +307,6 @@ mod tests {
         let task = Task::new();
         task.cancel();
         let mut bvh = mixed();
-        assert_eq!(reinsert(&mut bvh, &config(3), &task, &mut |_| ()), Err(Cancelled));
+        assert_eq!(improve(&mut bvh, &config(3), &task), Err(Cancelled));
     }
 }

@@ -60,9 +60,12 @@ impl BuildPanel {
         if config.improver != Improver::None {
             let most = *BuildConfig::ROUNDS.start()..=MANY_ROUNDS.max(rounds);
             let of_rounds = widgets::integer_slider(ui, Term::Rounds, &mut rounds, most, true);
+            improver_dragged = of_rounds.dragged();
+        }
+        if config.improver == Improver::Reinsertion {
             let slider = Slider::new(&mut share, SMALL_SHARE.min(config.share)..=1.0).logarithmic(true);
             let of_share = widgets::slider(ui, Term::Share, slider.max_decimals(3).trailing_fill(true));
-            improver_dragged = of_rounds.dragged() || of_share.dragged();
+            improver_dragged |= of_share.dragged();
         }
         if rounds != config.rounds {
             commands.edit(move |s| s.build_mut().rounds = rounds);
@@ -237,8 +240,10 @@ pub fn summary(config: &BuildConfig) -> String {
         width => format!(" · {}-wide {}", width.name(), config.widen.name()),
     };
     if config.improver != Improver::None {
-        let (name, rounds, share) = (config.improver.name(), config.rounds, config.share);
-        text += &format!(" · {name} {rounds} x {share}");
+        text += &format!(" · {} {}", config.improver.name(), config.rounds);
+    }
+    if config.improver == Improver::Reinsertion {
+        text += &format!(" x {}", config.share);
     }
     if config.stop != StopRule::Limit && !config.is_optimal() && config.builder.weighs_cost() {
         text += &format!(" · stop {}", config.stop.name());
