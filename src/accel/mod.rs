@@ -3,6 +3,7 @@
 
 pub mod build;
 mod bvh2;
+mod choices;
 pub mod config;
 mod optimize;
 mod optimum;
