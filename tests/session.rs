@@ -6,11 +6,12 @@ use bvhscope::accel::simd::SimdLevel;
 use bvhscope::accel::{Block, BuildConfig, Builder, Improver, Morton, StopRule, Widen, Width};
 use bvhscope::export::session_file;
 use bvhscope::render::{
-    BoxColor, BoxStyle, ColorMap, CountKind, DisplaySettings, OverlaySettings, RenderSettings, ToneMap, View,
+    BoxStyle, ColorMap, CountKind, DisplaySettings, OverlaySettings, RenderSettings, ToneMap, View,
 };
 use bvhscope::scene::{Camera, SceneRef, ShadowRule, UpAxis};
 use bvhscope::session::flags::{command_line, find};
 use bvhscope::session::{Session, SessionScene, Variant, file};
+use bvhscope::world::NodeFigure;
 use glam::Vec3;
 use proptest::option;
 use proptest::prelude::*;
@@ -119,7 +120,7 @@ fn overlay() -> impl Strategy<Value = OverlaySettings> {
         option::of(depths),
         any::<bool>(),
         select(&BoxStyle::ALL[..]),
-        select(&BoxColor::ALL[..]),
+        select(&NodeFigure::ALL[..]),
         any::<bool>(),
         1..=100_000_000u32,
     )

@@ -18,7 +18,11 @@ pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
     output::print(&match output::format(matches) {
         TableFormat::People => {
             let heading = workshop.heading(build, CountKind::All);
-            format!("{heading}\n\n{}\n\n* the best of its line", table::people(&rows))
+            format!(
+                "{heading}\n\n{}\n\n* the best of its line\n\n{}",
+                table::people(&rows),
+                table::agreements(&rows)
+            )
         }
         TableFormat::Json => table::json(&rows),
         TableFormat::Csv => table::csv(&rows),

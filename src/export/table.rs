@@ -6,9 +6,11 @@ use serde::{Serialize, Serializer};
 
 use crate::accel::build::BuildPhase;
 use crate::accel::quality::{DepthLevel, SahCost};
-use crate::inspect::columns::{COLUMNS, Column, TreeRecord, best_rows, comparing};
+use crate::inspect::columns::{COLUMNS, Column, DASH, TreeRecord, best_rows, comparing};
 use crate::inspect::compare::{ComparedFigure, Comparison};
+use crate::inspect::prediction::{Forecast, Prediction, agreement};
 use crate::inspect::stats::TreeStats;
+use crate::render::bench::RaySetKind;
 
 /// One rule below the heading.
 const STYLE: TableStyle = presets::NOTHING.header_separator(LineStyle::none().fill('─').junction('─'));
@@ -87,6 +89,23 @@ pub fn people(rows: &[TreeStats]) -> String {
         std::iter::once(column.heading()).chain(values).collect()
     });
     aligned(std::iter::once(String::new()).chain(names).collect(), lines)
+}
+
+/// How well what is known in advance of these trees orders them by what rays paid; empty for fewer than three trees.
+pub fn agreements(rows: &[TreeStats]) -> String {
+    if rows.len() < 3 {
+        return String::new();
+    }
+    let trees: Vec<_> = rows.iter().map(Forecast::of).collect();
+    let heading = "pairs in the right order (%)".to_owned();
+    let kinds = RaySetKind::ALL.map(|kind| format!("{} rays", kind.name()));
+    let lines = Prediction::ALL.into_iter().map(|prediction| {
+        let share = |kind| agreement(&trees, prediction, kind);
+        let shown =
+            |kind| share(kind).map_or_else(|| DASH.to_owned(), |share| format!("{:.0}", 100.0 * share));
+        std::iter::once(prediction.label().to_owned()).chain(RaySetKind::ALL.map(shown)).collect()
+    });
+    aligned(std::iter::once(heading).chain(kinds).collect(), lines)
 }
 
 /// Trees as the rows, the given columns as the columns.
@@ -318,6 +337,19 @@ mod tests {
         assert_eq!(cells.len(), 4);
         assert!(cells.windows(2).all(|w| w[0] == w[1]), "{text}");
         assert!(text.contains("**5,857**"), "{text}");
+    }
+
+    #[test]
+    fn predictions_are_held_against_what_rays_paid() {
+        let mut rows = [example("A"), example("B"), example("C")];
+        assert_eq!(agreements(&rows[..2]), "");
+        for (i, row) in rows.iter_mut().enumerate() {
+            row.figures.sah_cost = Some(SahCost { inner: 9.0 - i as f64, leaf: 0.0 });
+            row.ray_costs.primary = Some(5.0 + [0.0, 2.0, 1.0][i]);
+        }
+        let text = agreements(&rows);
+        let line = text.lines().find(|line| line.trim().starts_with("SAH cost")).expect("a line");
+        assert_eq!(line.split_whitespace().skip(2).collect::<Vec<_>>(), ["33", DASH, DASH], "{text}");
     }
 
     #[test]

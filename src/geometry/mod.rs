@@ -24,6 +24,7 @@ pub mod triangle;
 pub use aabb::Aabb;
 pub use cuboid::Cuboid;
 pub use plane::Plane;
+pub use polygon::Polygon;
 pub use quad::Quad;
 pub use ray::{Hit, PreparedRay, Ray};
 pub use shape::{Shape, ShapeHit, ShapeKind, SurfacePoint, SurfaceSample, leave_surface};

@@ -16,14 +16,31 @@ pub struct Polygon {
 }
 
 impl Polygon {
-    /// The part of the polygon with these corners (at most four) inside `clip`.
-    pub fn clipped<const N: usize>(corners: [DVec3; N], clip: &Aabb) -> Self {
+    /// A whole polygon of at most four corners.
+    pub fn new<const N: usize>(corners: [DVec3; N]) -> Self {
         const { assert!(N <= 4, "no room for more corners") };
         let mut polygon = Self { corners: [DVec3::ZERO; CAPACITY], len: N };
         polygon.corners[..N].copy_from_slice(&corners);
+        polygon
+    }
+
+    /// The part of the polygon with these corners (at most four) inside `clip`.
+    pub fn clipped<const N: usize>(corners: [DVec3; N], clip: &Aabb) -> Self {
+        Self::new(corners).inside(clip)
+    }
+
+    /// The part inside `clip`.
+    #[must_use]
+    pub fn inside(&self, clip: &Aabb) -> Self {
+        let mut polygon = *self;
         for axis in 0..3 {
-            polygon = polygon.cut(axis, 1.0, f64::from(clip.min[axis]));
-            polygon = polygon.cut(axis, -1.0, f64::from(clip.max[axis]));
+            for (side, at) in [(1.0, clip.min[axis]), (-1.0, clip.max[axis])] {
+                let at = f64::from(at);
+                // Most sides cut nothing off.
+                if polygon.corners[..polygon.len].iter().any(|p| side * (p[axis] - at) < 0.0) {
+                    polygon = polygon.cut(axis, side, at);
+                }
+            }
         }
         polygon
     }

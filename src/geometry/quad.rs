@@ -78,7 +78,7 @@ pub struct Quad {
 
 impl Quad {
     /// In order around the quad.
-    fn corners(&self) -> [DVec3; 4] {
+    pub(crate) fn corners(&self) -> [DVec3; 4] {
         let (corner, u, v) = self.in_double();
         [corner, corner + u, corner + u + v, corner + v]
     }

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::{Aabb, Cuboid, PreparedRay, Quad, Ray, Sphere, Torus, Triangle};
+use super::{Aabb, Cuboid, Polygon, PreparedRay, Quad, Ray, Sphere, Torus, Triangle};
 
 /// The kinds of bounded shapes. A plane is unbounded and is not among them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -175,6 +175,23 @@ impl Shape {
         clip.min[axis] = clip.min[axis].max(from);
         clip.max[axis] = clip.max[axis].min(to);
         if clip.is_empty() { Aabb::EMPTY } else { self.clipped_bounds(&clip) }
+    }
+
+    /// The shape itself, if it is flat.
+    pub fn polygon(&self) -> Option<Polygon> {
+        match self {
+            Self::Triangle(triangle) => Some(Polygon::new(triangle.v.map(Vec3::as_dvec3))),
+            Self::Quad(quad) => Some(Polygon::new(quad.corners())),
+            Self::Sphere(_) | Self::Cuboid(_) | Self::Torus(_) => None,
+        }
+    }
+
+    /// Whether [`Shape::area_inside`] is an estimate.
+    pub fn area_is_sampled(&self) -> bool {
+        match self {
+            Self::Sphere(_) | Self::Torus(_) => true,
+            Self::Triangle(_) | Self::Cuboid(_) | Self::Quad(_) => false,
+        }
     }
 
     /// The area of the part inside `clip`: exact for triangles, quads and cuboids, estimated on

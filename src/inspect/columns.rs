@@ -3,6 +3,7 @@
 
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
+use super::prediction::{Forecast, Prediction};
 use super::stats::TreeStats;
 
 /// What is shown for a value that is not defined.
@@ -77,9 +78,12 @@ pub static COLUMNS: &[Column] = &[
         |s| s.figures.sah_cost.map(|c| c.total()).into(),
     )
     .lower(),
-    real("epo", "EPO", "effective parent overlap: surface that lies in boxes it does not belong to", |_| {
-        Value::Missing
-    })
+    real(
+        "epo",
+        "EPO",
+        "end-point overlap: surface that lies in boxes it does not belong to, times what such a box costs",
+        |s| s.epo.into(),
+    )
     .lower(),
     real("lcv", "LCV", "standard deviation of the number of leaves that a ray visits", |s| s.rays.lcv.into())
         .lower(),
@@ -134,6 +138,61 @@ pub static COLUMNS: &[Column] = &[
     .unit("KiB")
     .decimals(1)
     .lower(),
+    real(
+        "sah_epo",
+        "SAH + EPO",
+        "0.29 SAH cost + 0.71 EPO, the mixture that predicts times best (Aila, Karras, Laine 2013)",
+        |s| Forecast::of(s).predicted(Prediction::SahEpo).into(),
+    )
+    .lower(),
+    real("ray_cost_primary", "primary ray cost", "mean cost of a camera ray, of every n-th pixel", |s| {
+        s.ray_costs.primary.into()
+    })
+    .lower(),
+    real(
+        "ray_cost_diffuse",
+        "diffuse ray cost",
+        "mean cost of a cosine-weighted bounce from where the camera rays hit",
+        |s| s.ray_costs.diffuse.into(),
+    )
+    .lower(),
+    real(
+        "ray_cost_shadow",
+        "shadow ray cost",
+        "mean cost of a ray from there to a light, asked by occluded",
+        |s| s.ray_costs.shadow.into(),
+    )
+    .lower(),
+    real(
+        "overlap",
+        "overlap",
+        "sum over inner nodes of the area that children share in pairs, by own area",
+        |s| s.figures.overlap.into(),
+    )
+    .lower(),
+    real(
+        "empty_space",
+        "empty space",
+        "sum over inner nodes of the share of their volume that no child covers",
+        |s| s.figures.empty_space.into(),
+    ),
+    real("empty_space_mean", "mean empty space", "the same as a mean over inner nodes with a volume", |s| {
+        s.figures.empty_space_mean.into()
+    })
+    .lower(),
+    real("slot_fill", "slot fill", "share of the child slots of inner nodes that are used", |s| {
+        s.figures.slot_fill.into()
+    })
+    .higher(),
+    real("leaf_fill", "leaf fill", "share of leaf lanes with a shape, where four are tested at once", |s| {
+        s.figures.leaf_fill.into()
+    })
+    .higher(),
+    real("bytes_per_shape", "bytes / shape", "memory of tree and shapes by the number of shapes", |s| {
+        (s.shape_count > 0).then(|| s.bytes as f64 / s.shape_count as f64).into()
+    })
+    .decimals(1)
+    .lower(),
     text("widen", "wide by", "how nodes of width 4 and 8 were made", |s| s.config.widen.name().into()),
     text("stop", "stop rule", "when a node became a leaf", |s| s.config.stop.name().into()),
     count("block", "blocks", "shapes that count as one in the split cost, rounded up", |s| {
@@ -151,12 +210,17 @@ pub static COLUMNS: &[Column] = &[
 
 /// The columns of a table for people that compares trees on one scene, in order.
 pub fn comparing() -> impl Iterator<Item = &'static Column> {
-    const KEYS: [&str; 15] = [
+    const KEYS: [&str; 20] = [
         "name",
         "node_count",
         "leaf_count",
         "depth_max",
         "sah_cost",
+        "epo",
+        "sah_epo",
+        "ray_cost_primary",
+        "ray_cost_diffuse",
+        "ray_cost_shadow",
         "nodes_visited_mean",
         "inner_visits_mean",
         "box_tests_mean",
@@ -391,7 +455,25 @@ mod tests {
         assert_eq!(keys[..expected.len()], expected);
         assert_eq!(
             keys[expected.len()..],
-            ["widen", "stop", "block", "improver", "traversal_cost", "intersection_cost", "count"]
+            [
+                "sah_epo",
+                "ray_cost_primary",
+                "ray_cost_diffuse",
+                "ray_cost_shadow",
+                "overlap",
+                "empty_space",
+                "empty_space_mean",
+                "slot_fill",
+                "leaf_fill",
+                "bytes_per_shape",
+                "widen",
+                "stop",
+                "block",
+                "improver",
+                "traversal_cost",
+                "intersection_cost",
+                "count"
+            ]
         );
     }
 
@@ -400,7 +482,7 @@ mod tests {
         for column in COLUMNS {
             assert!(!column.title.is_empty() && column.meaning.len() > 10, "{}", column.key);
         }
-        assert_eq!(comparing().count(), 15);
+        assert_eq!(comparing().count(), 20);
     }
 
     #[test]

@@ -4,6 +4,7 @@ pub mod bin_sweep;
 pub mod columns;
 pub mod compare;
 pub mod histogram;
+pub mod prediction;
 pub mod shadow_difference;
 pub mod stats;
 pub mod sweep;

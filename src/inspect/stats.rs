@@ -8,6 +8,7 @@ use crate::accel::BuildConfig;
 use crate::accel::build::BuildPhase;
 use crate::accel::quality::TreeFigures;
 use crate::render::measure::{FrameTimes, RayFigures, count_rays, time_frame};
+use crate::render::ray_costs::{RayCosts, ray_costs};
 use crate::render::{CountKind, RenderSettings};
 use crate::scene::{Camera, Scene};
 use crate::task::{Cancelled, Task};
@@ -27,6 +28,10 @@ pub struct TreeStats {
     pub phases: Vec<BuildPhase>,
     pub build_ms: f64,
     pub rays: RayFigures,
+    /// End-point overlap ([`World::epo`]).
+    pub epo: Option<f64>,
+    /// Of the three kinds of rays.
+    pub ray_costs: RayCosts,
     /// `None` when not timed.
     pub times: Option<FrameTimes>,
     /// Tree and shapes ready to trace.
@@ -49,7 +54,7 @@ pub struct Measurement<'a> {
     pub builds: usize,
 }
 
-/// Measures a world: counts rays, and times a frame if `timed`.
+/// Measures a world: counts rays, clips shapes to boxes, and times a frame if `timed`.
 ///
 /// # Errors
 /// [`Cancelled`] when the task was.
@@ -63,6 +68,8 @@ pub fn tree_stats(
     task: &Task,
 ) -> Result<TreeStats, Cancelled> {
     let rays = count_rays(world, camera, settings, count, 1, task)?;
+    let costs = ray_costs(world, camera, settings, &task.step())?;
+    let epo = world.epo(&task.step())?.map(|epo| epo.total);
     let times = if timed { Some(time_frame(world, camera, settings, task)?) } else { None };
     Ok(TreeStats {
         name: name.to_owned(),
@@ -74,6 +81,8 @@ pub fn tree_stats(
         phases: world.report.phases.clone(),
         build_ms: world.report.build_ms,
         rays,
+        epo,
+        ray_costs: costs,
         times,
         bytes: world.bytes(),
         settings: *settings,
@@ -135,11 +144,17 @@ pub(crate) mod tests {
                 sah_cost: Some(SahCost { inner: 9.0, leaf: 3.5 }),
                 levels: Vec::new(),
                 overlap: 100.0,
+                empty_space: 500.0,
+                empty_space_mean: Some(0.25),
+                slot_fill: Some(0.75),
+                leaf_fill: Some(0.5),
                 bytes: 1 << 18,
             },
             phases: Vec::new(),
             build_ms: 4.0,
             rays: RayFigures { ray_count: 100, nodes_visited_mean: Some(7.5), ..RayFigures::default() },
+            epo: None,
+            ray_costs: RayCosts { primary: Some(7.0), diffuse: Some(8.0), shadow: None },
             times: None,
             bytes: 1 << 19,
             settings: RenderSettings::default(),

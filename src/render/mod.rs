@@ -12,6 +12,7 @@ pub mod overlay;
 pub mod pass;
 pub mod path;
 pub mod rank;
+pub mod ray_costs;
 pub mod sampler;
 pub mod shadow;
 mod tiles;
@@ -21,6 +22,6 @@ pub mod whitted;
 
 pub use display::{ColorMap, DisplaySettings};
 pub use film::{Film, RenderSettings};
-pub use overlay::{BoxColor, BoxStyle, Overlay, OverlaySettings};
+pub use overlay::{BoxStyle, Overlay, OverlaySettings};
 pub use tonemap::ToneMap;
 pub use views::{CountKind, Counter, View, ViewClass};

@@ -8,8 +8,9 @@ use super::values::{
 };
 use crate::accel::simd::SimdLevel;
 use crate::accel::{Block, BuildConfig, Builder, Improver, Morton, StopRule, Widen, Width};
-use crate::render::{BoxColor, BoxStyle, ColorMap, CountKind, ToneMap, View};
+use crate::render::{BoxStyle, ColorMap, CountKind, ToneMap, View};
 use crate::scene::{ShadowRule, UpAxis};
+use crate::world::NodeFigure;
 
 /// Costs lie above zero: the smallest that still makes sense beside the largest.
 const MIN_COST: f32 = 1e-6;
@@ -379,7 +380,7 @@ pub(super) static FLAGS: &[Flag] = &[
         value_name: Some("NAME"),
         group: FlagGroup::Boxes,
         help: "What the colour of a box says",
-        choices: choices::<BoxColor>,
+        choices: choices::<NodeFigure>,
         set: |s, text| read_named(text).map(|v| s.overlay.color = v),
         get: |s| s.overlay.color.name().to_owned(),
     },

@@ -10,8 +10,9 @@ use glam::Vec3;
 
 use crate::accel::simd::SimdLevel;
 use crate::accel::{Block, Builder, Improver, Morton, StopRule, Widen, Width};
-use crate::render::{BoxColor, BoxStyle, ColorMap, CountKind, ToneMap, View};
+use crate::render::{BoxStyle, ColorMap, CountKind, ToneMap, View};
 use crate::scene::{Camera, ShadowRule, UpAxis};
+use crate::world::NodeFigure;
 
 /// Longest picture side in pixels.
 pub const MAX_SIDE: u32 = 16_384;
@@ -61,7 +62,7 @@ named! {
     ColorMap: Self::description;
     ToneMap: Self::description;
     BoxStyle: Self::description;
-    BoxColor: Self::description;
+    NodeFigure: Self::description;
     UpAxis: |_| "";
 }
 

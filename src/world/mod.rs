@@ -6,11 +6,13 @@
 mod best;
 mod block;
 mod blockers;
+mod epo;
+mod node_figure;
 mod packet;
 mod packets;
 pub mod store;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use crate::accel::quality::TreeFigures;
@@ -27,6 +29,8 @@ pub use store::PrimStore;
 
 pub use best::Best;
 use blockers::Blockers;
+pub use epo::Epo;
+pub use node_figure::NodeFigure;
 pub use packets::Packets;
 use store::Beyond;
 
@@ -40,6 +44,7 @@ pub struct World {
     pub figures: TreeFigures,
     store: PrimStore,
     blockers: Blockers,
+    epo: OnceLock<Option<Epo>>,
     simd: SimdToken,
 }
 
@@ -65,7 +70,16 @@ impl World {
         report.phases.push(pack_phase);
         let figures = TreeFigures::measure(&tree, config.traversal_cost, config.intersection_cost);
         let blockers = Blockers::new(&scene);
-        Ok(Self { scene, tree, report, figures, store, blockers, simd: SimdToken::of(config) })
+        Ok(Self {
+            scene,
+            tree,
+            report,
+            figures,
+            store,
+            blockers,
+            epo: OnceLock::new(),
+            simd: SimdToken::of(config),
+        })
     }
 
     /// Tree and primitive store together, ready to trace, in bytes.

@@ -50,6 +50,15 @@ impl std::ops::AddAssign for RayCounters {
     }
 }
 
+impl std::ops::Add for RayCounters {
+    type Output = Self;
+
+    fn add(mut self, other: Self) -> Self {
+        self += other;
+        self
+    }
+}
+
 impl Probe for RayCounters {
     #[inline]
     fn inner_visited(&mut self, _: u32, box_tests: u32) {

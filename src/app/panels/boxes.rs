@@ -6,7 +6,8 @@ use crate::accel::quality::DepthLevel;
 use crate::app::DEFAULT_BOXES;
 use crate::app::commands::Commands;
 use crate::app::view::AppView;
-use crate::render::{BoxColor, BoxStyle, OverlaySettings};
+use crate::render::{BoxStyle, OverlaySettings};
+use crate::world::NodeFigure;
 
 use super::glossary::Term;
 use super::numbers;
@@ -50,13 +51,9 @@ fn style(ui: &mut Ui, settings: &OverlaySettings, commands: &mut Commands) {
         commands.edit(move |s| s.overlay.style = style);
     }
     ui.add_enabled_ui(settings.style != BoxStyle::Density, |ui| {
-        let describe = |c: BoxColor| match c {
-            BoxColor::Depth => ("depth", c.description()),
-            BoxColor::LeafSize => ("leaf size", c.description()),
-            BoxColor::SahShare => ("SAH share", c.description()),
-        };
+        let describe = |c: NodeFigure| (c.label(), c.description());
         if let Some(color) =
-            widgets::segmented(ui, Term::BoxColor, Some(settings.color), &BoxColor::ALL, &describe)
+            widgets::segmented(ui, Term::BoxColor, Some(settings.color), &NodeFigure::ALL, &describe)
         {
             commands.edit(move |s| s.overlay.color = color);
         }

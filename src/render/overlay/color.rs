@@ -5,8 +5,8 @@
 
 use glam::Vec3;
 
-use super::BoxColor;
 use crate::render::tonemap::srgb8;
+use crate::world::NodeFigure;
 
 /// Boxes that the chosen colouring says nothing about.
 pub const NEUTRAL_COLOR: [u8; 3] = [158, 162, 172];
@@ -21,31 +21,36 @@ const RAMP: [[f32; 3]; 6] = [
     [12.0, 0.69, 0.175],
 ];
 
-/// The share of the largest share at which the ramp of [`BoxColor::SahShare`] begins; shares span many orders.
+/// The share of the largest value at which a logarithmic ramp begins.
 pub const SHARE_SPAN: f32 = 1e-4;
 
-impl BoxColor {
-    /// sRGB of a value between the two ends of `range` ([`super::Overlay::color_range`]): a depth, a number of shapes,
-    /// or a share (on a logarithmic scale). NaN, which says nothing, is [`NEUTRAL_COLOR`].
+impl NodeFigure {
+    /// Whether values lie on a logarithmic scale, since they span many orders.
+    pub fn spans_decades(self) -> bool {
+        matches!(self, Self::SahShare | Self::Epo)
+    }
+
+    /// sRGB of a value between the two ends of `range` ([`super::Overlay::color_range`]): the figure of
+    /// a node. NaN, which says nothing, is [`NEUTRAL_COLOR`].
     pub fn color(self, value: f32, range: [f32; 2]) -> [u8; 3] {
         if value.is_nan() { NEUTRAL_COLOR } else { ramp(self.position(value, range)) }
     }
 
     /// Where a value lies between the two ends of `range`, in 0..=1.
     pub fn position(self, value: f32, [low, high]: [f32; 2]) -> f32 {
-        let t = match self {
-            Self::Depth | Self::LeafSize => (value - low) / (high - low),
-            Self::SahShare => (value / low).ln() / (high / low).ln(),
+        let t = match self.spans_decades() {
+            true => (value / low).ln() / (high / low).ln(),
+            false => (value - low) / (high - low),
         };
         // A range of one value, 0 / 0, is drawn in the first colour.
         if t > 0.0 { t.min(1.0) } else { 0.0 }
     }
 
-    /// The value at `t` in 0..=1 between the two ends of `range`: for legends. The inverse of [`BoxColor::position`].
+    /// The value at `t` in 0..=1 between the two ends of `range`: for legends. The inverse of [`NodeFigure::position`].
     pub fn value_at(self, t: f32, [low, high]: [f32; 2]) -> f32 {
-        match self {
-            Self::Depth | Self::LeafSize => low + t * (high - low),
-            Self::SahShare => low * (high / low).powf(t),
+        match self.spans_decades() {
+            true => low * (high / low).powf(t),
+            false => low + t * (high - low),
         }
     }
 }
@@ -95,7 +100,7 @@ mod tests {
 
     #[test]
     fn positions_and_values_are_inverse() {
-        for color in BoxColor::ALL {
+        for color in NodeFigure::ALL {
             let range = [0.5, 80.0];
             for t in [0.0, 0.3, 1.0] {
                 assert!((color.position(color.value_at(t, range), range) - t).abs() < 1e-5, "{color:?} {t}");
@@ -103,6 +108,6 @@ mod tests {
             assert_eq!((color.position(0.1, range), color.position(1e9, range)), (0.0, 1.0));
             assert_eq!(color.color(3.0, [3.0, 3.0]), ramp(0.0));
         }
-        assert_eq!(BoxColor::LeafSize.color(f32::NAN, [1.0, 2.0]), NEUTRAL_COLOR);
+        assert_eq!(NodeFigure::LeafSize.color(f32::NAN, [1.0, 2.0]), NEUTRAL_COLOR);
     }
 }

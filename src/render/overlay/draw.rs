@@ -26,10 +26,10 @@ pub fn density_position(n: u32, [fewest, most]: [u32; 2]) -> f32 {
     if most > fewest { (scale(n) / scale(most)).min(1.0) } else { 0.0 }
 }
 
-/// Draws the boxes of a tree. `shares`: as in [`select`].
+/// Draws the boxes of a tree. `values`: as in [`select`].
 pub fn draw_tree(
     tree: &Tree,
-    shares: &[f32],
+    values: &[f32],
     frame: CameraFrame,
     settings: &OverlaySettings,
     depth: &[f32],
@@ -40,7 +40,7 @@ pub fn draw_tree(
     let projector = Projector::new(frame, &tree.bounds());
     let surfaces = (!settings.show_hidden).then(|| FarthestSurfaces::new(&projector, depth));
     let stage = Stage { projector: &projector, surfaces: surfaces.as_ref() };
-    let selection = select(tree, shares, stage, settings, task)?;
+    let selection = select(tree, values, stage, settings, task)?;
     let mut overlay = Overlay {
         image: RgbaImage::new(width, height),
         selected: selection.selected,
@@ -171,11 +171,11 @@ mod tests {
 
     use super::super::project::tests::front_frame;
     use super::*;
-    use crate::accel::quality::sah_shares;
+    use crate::accel::quality::nodes;
     use crate::accel::tree::LeafRange;
     use crate::accel::{BuildConfig, ChildRef, WideBvh, Width, tree::WideNode};
     use crate::geometry::Aabb;
-    use crate::render::BoxColor;
+    use crate::world::NodeFigure;
 
     const SIDE: usize = 100;
 
@@ -210,8 +210,12 @@ mod tests {
     }
 
     fn draw(tree: &Tree, settings: &OverlaySettings, depth: &[f32]) -> Overlay {
-        let shares = sah_shares(tree, 1.0, 1.0);
-        draw_tree(tree, &shares, front_frame(), settings, depth, &Task::new()).expect("nobody cancels")
+        let values = match settings.color {
+            NodeFigure::LeafSize => nodes::leaf_sizes(tree),
+            NodeFigure::Fill => nodes::fills(tree),
+            _ => nodes::sah_shares(tree, 1.0, 1.0),
+        };
+        draw_tree(tree, &values, front_frame(), settings, depth, &Task::new()).expect("nobody cancels")
     }
 
     fn alpha(overlay: &Overlay, x: u32, y: u32) -> u8 {
@@ -352,11 +356,12 @@ mod tests {
         let far = wall(50.0);
         let range =
             |color| draw(&pair(), &OverlaySettings { color, ..settings(BoxStyle::Wire) }, &far).color_range;
-        assert_eq!(range(BoxColor::Depth), Some([0.0, 1.0]));
-        assert_eq!(range(BoxColor::LeafSize), Some([1.0, 3.0]));
+        assert_eq!(range(NodeFigure::Depth), Some([0.0, 1.0]));
+        assert_eq!(range(NodeFigure::LeafSize), Some([1.0, 3.0]));
         // The root 24, the leaves 12 and 3 * 12.
-        let share = range(BoxColor::SahShare).expect("shares are known")[1];
+        let share = range(NodeFigure::SahShare).expect("shares are known")[1];
         assert!((share - 0.5).abs() < 1e-6, "{share}");
+        assert_eq!(range(NodeFigure::Fill), Some([0.0, 1.0]));
     }
 
     /// A tree of one level below the root, with boxes anywhere around the eye.

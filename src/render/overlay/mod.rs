@@ -13,14 +13,13 @@ use image::RgbaImage;
 use rayon::prelude::*;
 
 use super::tiles::{add, tiles};
-use crate::accel::quality::sah_shares;
 use crate::scene::Camera;
 use crate::task::{Cancelled, Task};
-use crate::world::{Packets, World};
+use crate::world::{NodeFigure, Packets, World};
 
 pub use color::{NEUTRAL_COLOR, ramp};
 pub use draw::{DENSITY_MAP, density_position};
-pub use settings::{BoxColor, BoxStyle, OverlaySettings};
+pub use settings::{BoxStyle, OverlaySettings};
 
 /// A drawn overlay, and what was left out.
 #[derive(Clone, Debug)]
@@ -37,7 +36,7 @@ pub struct Overlay {
     pub too_small: usize,
     /// Beyond the budget.
     pub over_budget: usize,
-    /// What the boxes' colours mean: the values at the two ends of [`BoxColor::color`]; `None` if none has a value, and
+    /// What the boxes' colours mean: the values at the two ends of [`NodeFigure::color`]; `None` if none has a value, and
     /// for a density.
     pub color_range: Option<[f32; 2]>,
     /// Fewest and most boxes over one pixel; `None` unless the style is density. See [`density_position`].
@@ -61,12 +60,13 @@ pub fn draw_boxes(
     height: u32,
     task: &Task,
 ) -> Result<Overlay, Cancelled> {
-    let config = &world.report.config;
-    let shares = match settings.color {
-        BoxColor::SahShare => sah_shares(&world.tree, config.traversal_cost, config.intersection_cost),
-        BoxColor::Depth | BoxColor::LeafSize => Vec::new(),
+    // Of a density no box has a colour, and the depth is known on the way.
+    let values = match settings.color {
+        _ if settings.style == BoxStyle::Density => Vec::new(),
+        NodeFigure::Depth => Vec::new(),
+        figure => world.node_values(figure, &task.step())?,
     };
-    draw::draw_tree(&world.tree, &shares, camera.frame(width, height), settings, depth, task)
+    draw::draw_tree(&world.tree, &values, camera.frame(width, height), settings, depth, task)
 }
 
 /// Distance along the ray through each pixel's centre to the first surface; infinity for none.

@@ -2,14 +2,15 @@
 
 use rayon::prelude::*;
 
+use super::OverlaySettings;
 use super::color::SHARE_SPAN;
 use super::hidden::FarthestSurfaces;
 use super::project::{Footprint, PixelRect, Projector};
-use super::{BoxColor, OverlaySettings};
 use crate::accel::{ChildRef, Tree, WideBvh};
 use crate::each_width;
 use crate::geometry::Aabb;
 use crate::task::{Cancelled, Task};
+use crate::world::NodeFigure;
 
 /// Nodes that one step of work looks at; small enough that a cancel is seen within a millisecond.
 const CHUNK: usize = 4096;
@@ -53,18 +54,18 @@ pub struct Stage<'a> {
     pub surfaces: Option<&'a FarthestSurfaces>,
 }
 
-/// Picks the boxes that `settings` ask for. `shares`: each node's share of the SAH cost, in order of
-/// [`NodeId`](crate::accel::NodeId); looked at by [`BoxColor::SahShare`] alone.
+/// Picks the boxes that `settings` ask for. `values`: each node's figure that is the colour, in order of
+/// [`NodeId`](crate::accel::NodeId); not looked at for [`NodeFigure::Depth`].
 pub fn select(
     tree: &Tree,
-    shares: &[f32],
+    values: &[f32],
     stage: Stage,
     settings: &OverlaySettings,
     task: &Task,
 ) -> Result<Selection, Cancelled> {
     let Some([a, b]) = settings.depths else { return Ok(Selection::default()) };
     let depths = [a.min(b), a.max(b)];
-    let mut selection = each_width!(tree, t => Walk { tree: t, shares, depths, stage, settings }.run(task)?);
+    let mut selection = each_width!(tree, t => Walk { tree: t, values, depths, stage, settings }.run(task)?);
     // Farthest first, so that what is nearer is drawn over it. Of a box and a box inside it that touches the same side
     // the inner one goes first: the outline of the larger stays whole.
     selection.boxes.par_sort_unstable_by(|a, b| {
@@ -127,7 +128,7 @@ struct Found {
 
 struct Walk<'a, const N: usize> {
     tree: &'a WideBvh<N>,
-    shares: &'a [f32],
+    values: &'a [f32],
     depths: [u32; 2],
     stage: Stage<'a>,
     settings: &'a OverlaySettings,
@@ -223,17 +224,13 @@ impl<const N: usize> Walk<'_, N> {
     }
 
     fn value(&self, child: ChildRef, depth: u32) -> f32 {
-        match self.settings.color {
-            BoxColor::Depth => depth as f32,
-            BoxColor::LeafSize => {
-                child.as_leaf().map_or(f32::NAN, |leaf_idx| self.tree.leaves[leaf_idx as usize].count as f32)
-            }
-            BoxColor::SahShare => {
-                let share = self.shares.get(self.node_id(child) as usize).copied().unwrap_or(0.0);
-                // A box without area has no place on a logarithmic scale.
-                if share > 0.0 { share } else { f32::NAN }
-            }
+        let color = self.settings.color;
+        if color == NodeFigure::Depth {
+            return depth as f32;
         }
+        let value = self.values.get(self.node_id(child) as usize).copied().unwrap_or(f32::NAN);
+        // Zero has no place on a logarithmic scale.
+        if color.spans_decades() && value <= 0.0 { f32::NAN } else { value }
     }
 
     /// The number of [`NodeId`](crate::accel::NodeId).
@@ -243,15 +240,17 @@ impl<const N: usize> Walk<'_, N> {
     }
 
     fn color_range(&self, value_max: f32) -> Option<[f32; 2]> {
-        match self.settings.color {
-            BoxColor::Depth => Some([self.depths[0] as f32, value_max]),
-            // Of the whole tree, so that a colour keeps its meaning when the range of depths moves.
-            BoxColor::LeafSize => {
-                let most = self.tree.leaves.iter().map(|leaf| leaf.count).max()?;
-                Some([1.0, most as f32])
-            }
-            BoxColor::SahShare => (value_max > 0.0).then_some([value_max * SHARE_SPAN, value_max]),
-        }
+        // Of the whole tree, so that a colour keeps its meaning when the range of depths moves.
+        let most = || self.values.iter().copied().fold(f32::NAN, f32::max);
+        let (low, high) = match self.settings.color {
+            NodeFigure::Depth => (self.depths[0] as f32, value_max),
+            NodeFigure::LeafSize => (1.0, most()),
+            NodeFigure::SahShare | NodeFigure::Epo => (value_max * SHARE_SPAN, value_max),
+            NodeFigure::Overlap => (0.0, most()),
+            NodeFigure::EmptySpace | NodeFigure::Fill => (0.0, 1.0),
+        };
+        let known = self.settings.color == NodeFigure::Depth || most() >= 0.0;
+        (known && high >= low && !(self.settings.color.spans_decades() && high <= 0.0)).then_some([low, high])
     }
 }
 

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::world::NodeFigure;
+
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BoxStyle {
@@ -32,35 +34,6 @@ impl BoxStyle {
     }
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum BoxColor {
-    #[default]
-    Depth,
-    LeafSize,
-    SahShare,
-}
-
-impl BoxColor {
-    pub const ALL: [Self; 3] = [Self::Depth, Self::LeafSize, Self::SahShare];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Depth => "depth",
-            Self::LeafSize => "leaf-size",
-            Self::SahShare => "sah-share",
-        }
-    }
-
-    pub fn description(self) -> &'static str {
-        match self {
-            Self::Depth => "by depth below the root",
-            Self::LeafSize => "by the number of shapes in the leaf; inner nodes grey",
-            Self::SahShare => "by the node's own share of the tree's SAH cost",
-        }
-    }
-}
-
 /// Which boxes, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(default)]
@@ -69,7 +42,8 @@ pub struct OverlaySettings {
     pub depths: Option<[u32; 2]>,
     pub leaves_only: bool,
     pub style: BoxStyle,
-    pub color: BoxColor,
+    /// What the colour of a box tells.
+    pub color: NodeFigure,
     /// Draw what lies behind geometry, too.
     pub show_hidden: bool,
     /// Most boxes drawn; the largest on screen go first.
@@ -82,7 +56,7 @@ impl Default for OverlaySettings {
             depths: None,
             leaves_only: false,
             style: BoxStyle::default(),
-            color: BoxColor::default(),
+            color: NodeFigure::default(),
             show_hidden: false,
             budget: 100_000,
         }

@@ -1,13 +1,21 @@
 //! What the boxes alone tell of a tree.
 
+pub mod nodes;
+mod siblings;
+
 use crate::each_width;
 use crate::geometry::Aabb;
 
+use siblings::{empty_space, overlap};
+
 use super::bvh2::Bvh2;
-use super::tree::{ChildRef, Tree, Visit, WideBvh};
+use super::tree::{ChildRef, Tree, WideBvh};
 
 /// Children of the widest node.
 const MOST_CHILDREN: usize = 16;
+
+/// Shapes of a leaf that are tested at once.
+pub const FILL_LANES: usize = 4;
 
 /// The SAH cost in parts: `cost = (C_t * sum A_inner + C_i * sum N_leaf * A_leaf) / A_root`
 /// (Aila, Karras, Laine, "On Quality Metrics of Bounding Volume Hierarchies", 2013, eq. 1).
@@ -54,8 +62,16 @@ pub struct TreeFigures {
     pub sah_cost: Option<SahCost>,
     /// Index = depth.
     pub levels: Vec<DepthLevel>,
-    /// Sums over inner nodes of sibling overlap, `sum over pairs of area(box_i ∩ box_j) / area(parent)`.
+    /// Sum over inner nodes of sibling overlap, `sum over pairs of area(box_i ∩ box_j) / area(parent)`.
     pub overlap: f64,
+    /// Sum over inner nodes of empty space, `1 - volume of the union of the children's boxes / own volume`.
+    pub empty_space: f64,
+    /// The same as a mean over the inner nodes that have a volume; `None` if none has.
+    pub empty_space_mean: Option<f64>,
+    /// The share of child slots of all inner nodes that are used; `None` without inner nodes.
+    pub slot_fill: Option<f64>,
+    /// The share of lanes of all leaves with a reference, where [`FILL_LANES`] are tested at once; `None` without leaves.
+    pub leaf_fill: Option<f64>,
     pub bytes: usize,
 }
 
@@ -68,25 +84,40 @@ impl TreeFigures {
             root_area: tree.bounds().area().into(),
         };
         let sums = each_width!(tree, t => Sums::over(t, &costs));
-        let leaf_count = tree.leaf_count();
+        let (inner_count, leaf_count) = (tree.inner_count(), tree.leaf_count());
         let sah_cost = (costs.root_area > 0.0).then(|| SahCost {
             inner: sums.levels.iter().map(|l| l.sah_inner).sum(),
             leaf: sums.levels.iter().map(|l| l.sah_leaf).sum(),
         });
         Self {
             node_count: tree.node_count(),
-            inner_count: tree.inner_count(),
+            inner_count,
             leaf_count,
             reference_count: tree.refs().len(),
             depth_max: tree.depth_max(),
             depth_mean: (leaf_count > 0).then(|| sums.depth as f64 / leaf_count as f64),
-            leaf_sizes: sums.leaf_sizes,
             sah_cost,
             levels: sums.levels,
             overlap: sums.overlap,
+            empty_space: sums.empty_space,
+            empty_space_mean: (sums.spacious > 0).then(|| sums.empty_space / sums.spacious as f64),
+            slot_fill: (inner_count > 0).then(|| {
+                let slots = inner_count * tree.width().get();
+                (tree.node_count() - 1) as f64 / slots as f64
+            }),
+            leaf_fill: leaf_fill(&sums.leaf_sizes),
+            leaf_sizes: sums.leaf_sizes,
             bytes: tree.bytes(),
         }
     }
+}
+
+/// The share of lanes with a reference; `sizes[n]` leaves have n references.
+fn leaf_fill(sizes: &[usize]) -> Option<f64> {
+    let sum =
+        |of: fn(usize) -> usize| sizes.iter().enumerate().map(|(n, count)| of(n) * count).sum::<usize>();
+    let lanes = sum(|n| n.div_ceil(FILL_LANES) * FILL_LANES);
+    (lanes > 0).then(|| sum(|n| n) as f64 / lanes as f64)
 }
 
 struct Costs {
@@ -103,6 +134,9 @@ struct Sums {
     /// Over leaves.
     depth: u64,
     overlap: f64,
+    empty_space: f64,
+    /// Inner nodes with a volume.
+    spacious: usize,
 }
 
 impl Sums {
@@ -124,6 +158,10 @@ impl Sums {
                 count += 1;
             }
             sums.overlap += overlap(&boxes[..count]);
+            if let Some(empty) = empty_space(&boxes[..count]) {
+                sums.empty_space += empty;
+                sums.spacious += 1;
+            }
         }
         sums
     }
@@ -163,34 +201,6 @@ impl Sums {
     }
 }
 
-/// Of an inner node: the sum over pairs of its children of `area(box_i ∩ box_j) / area(its own box)`; 0 where the own
-/// area is.
-pub fn sibling_overlap(tree: &Tree, node_idx: u32) -> f64 {
-    each_width!(tree, t => {
-        let mut boxes = [Aabb::EMPTY; MOST_CHILDREN];
-        let mut count = 0;
-        for (_, bounds) in t.children(node_idx) {
-            boxes[count] = bounds;
-            count += 1;
-        }
-        overlap(&boxes[..count])
-    })
-}
-
-fn overlap(siblings: &[Aabb]) -> f64 {
-    let own = siblings.iter().fold(Aabb::EMPTY, |all, b| all.union(*b)).area();
-    let mut shared = 0.0;
-    for (i, a) in siblings.iter().enumerate() {
-        for b in &siblings[i + 1..] {
-            let common = a.intersection(*b);
-            if !common.is_empty() {
-                shared += f64::from(common.area());
-            }
-        }
-    }
-    if own > 0.0 { shared / f64::from(own) } else { 0.0 }
-}
-
 /// The SAH cost of a binary tree that is still being made; `None` where the root's area is zero.
 pub fn binary_sah_cost(bvh: &Bvh2, traversal_cost: f32, intersection_cost: f32) -> Option<f64> {
     let root_area = f64::from(bvh.nodes.first()?.bounds.area());
@@ -202,24 +212,6 @@ pub fn binary_sah_cost(bvh: &Bvh2, traversal_cost: f32, intersection_cost: f32) 
         weight * f64::from(node.bounds.area())
     });
     (root_area > 0.0).then(|| costs.sum::<f64>() / root_area)
-}
-
-/// Every node's own share of the SAH cost, by node id: `C * A / A_root / cost`, C = `C_t` for an inner node, `C_i * N`
-/// for a leaf. The shares add up to 1; all are 0 where the cost is undefined or 0.
-pub fn sah_shares(tree: &Tree, traversal_cost: f32, intersection_cost: f32) -> Vec<f32> {
-    let mut costs = vec![0.0_f64; tree.node_count()];
-    tree.walk_nodes(|Visit { id, bounds, .. }| {
-        let weight = match tree.leaf_index(id) {
-            Some(leaf_idx) => {
-                f64::from(intersection_cost) * f64::from(tree.leaves()[leaf_idx as usize].count)
-            }
-            None => f64::from(traversal_cost),
-        };
-        costs[id.0 as usize] = weight * f64::from(bounds.area());
-        true
-    });
-    let total: f64 = costs.iter().sum();
-    costs.into_iter().map(|cost| if total > 0.0 { (cost / total) as f32 } else { 0.0 }).collect()
 }
 
 #[cfg(test)]
@@ -249,7 +241,10 @@ mod tests {
         assert!((sah.leaf - 4.0 * 6.0 / 30.0).abs() < 1e-9);
         assert_eq!((f.node_count, f.leaf_count, f.depth_max, f.depth_mean), (7, 4, Some(2), Some(2.0)));
         assert_eq!(f.leaf_sizes, [0, 4]);
-        assert_eq!(f.overlap, 0.0);
+        assert_eq!((f.overlap, f.slot_fill, f.leaf_fill), (0.0, Some(1.0), Some(0.25)));
+        // Of the root three of seven units are between the halves, a third of which is empty.
+        let empty = 1.0 / 7.0 + 2.0 / 3.0;
+        assert!((f.empty_space - empty).abs() < 1e-9 && f.empty_space_mean == Some(f.empty_space / 3.0));
     }
 
     #[test]
@@ -269,14 +264,6 @@ mod tests {
         let cost = binary_sah_cost(&Bvh2::from_wide(&tree), 1.5, 0.5).expect("the root has an area");
         assert!((cost - finished).abs() < 1e-9, "{cost} {finished}");
         assert_eq!(binary_sah_cost(&Bvh2::default(), 1.0, 1.0), None);
-    }
-
-    #[test]
-    fn shares_add_up_to_one() {
-        let (tree, _) = build(&row_of_cubes(), &BuildConfig::default(), &Task::new()).expect("not cancelled");
-        let shares = sah_shares(&tree, 1.0, 2.0);
-        assert_eq!(shares.len(), tree.node_count());
-        assert!((shares.iter().sum::<f32>() - 1.0).abs() < 1e-6);
     }
 
     #[test]

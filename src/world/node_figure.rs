@@ -1,0 +1,118 @@
+//! The numbers that every single node has: what boxes are coloured by.
+
+use serde::{Deserialize, Serialize};
+
+use super::World;
+use crate::accel::quality::nodes;
+use crate::accel::tree::Visit;
+use crate::task::{Cancelled, Task};
+
+/// A number of a node.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NodeFigure {
+    #[default]
+    Depth,
+    LeafSize,
+    SahShare,
+    Epo,
+    Overlap,
+    EmptySpace,
+    Fill,
+}
+
+impl NodeFigure {
+    pub const ALL: [Self; 7] =
+        [Self::Depth, Self::LeafSize, Self::SahShare, Self::Epo, Self::Overlap, Self::EmptySpace, Self::Fill];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Depth => "depth",
+            Self::LeafSize => "leaf-size",
+            Self::SahShare => "sah-share",
+            Self::Epo => "epo",
+            Self::Overlap => "overlap",
+            Self::EmptySpace => "empty-space",
+            Self::Fill => "fill",
+        }
+    }
+
+    /// The name for people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Depth => "depth",
+            Self::LeafSize => "leaf size",
+            Self::SahShare => "SAH share",
+            Self::Epo => "EPO",
+            Self::Overlap => "overlap",
+            Self::EmptySpace => "empty space",
+            Self::Fill => "fill",
+        }
+    }
+
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Depth => "by depth below the root",
+            Self::LeafSize => "by the number of shapes in the leaf; inner nodes grey",
+            Self::SahShare => "by the node's own share of the tree's SAH cost",
+            Self::Epo => {
+                "by the node's part of the end-point overlap: surface in its box that belongs elsewhere"
+            }
+            Self::Overlap => "by how much of a node's area its children share in pairs; leaves grey",
+            Self::EmptySpace => "by the share of a node's volume that no child covers; leaves grey",
+            Self::Fill => "by the share of a node's slots that are used, of a leaf's lanes",
+        }
+    }
+}
+
+impl World {
+    /// A figure of every node, by [`NodeId`](crate::accel::NodeId); NaN where it is undefined, or was too dear to find out.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when the task was.
+    pub fn node_values(&self, figure: NodeFigure, task: &Task) -> Result<Vec<f32>, Cancelled> {
+        let (tree, config) = (&self.tree, &self.report.config);
+        Ok(match figure {
+            NodeFigure::Depth => {
+                let mut depths = vec![f32::NAN; tree.node_count()];
+                tree.walk_nodes(|Visit { id, depth, .. }| {
+                    depths[id.0 as usize] = depth as f32;
+                    true
+                });
+                depths
+            }
+            NodeFigure::LeafSize => nodes::leaf_sizes(tree),
+            NodeFigure::SahShare => nodes::sah_shares(tree, config.traversal_cost, config.intersection_cost),
+            NodeFigure::Epo => match self.epo(task)? {
+                Some(epo) => epo.nodes.clone(),
+                None => vec![f32::NAN; tree.node_count()],
+            },
+            NodeFigure::Overlap => nodes::overlaps(tree),
+            NodeFigure::EmptySpace => nodes::empty_spaces(tree),
+            NodeFigure::Fill => nodes::fills(tree),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::accel::BuildConfig;
+    use crate::scene::builtin;
+
+    #[test]
+    fn every_figure_has_a_number_a_node_and_names_of_its_own() {
+        let scene = Arc::new(builtin::make("bunny").expect("a built-in scene"));
+        let world = World::build(scene, &BuildConfig::default(), &Task::new()).expect("nobody cancels");
+        let mut names = std::collections::HashSet::new();
+        for figure in NodeFigure::ALL {
+            let values = world.node_values(figure, &Task::new()).expect("nobody cancels");
+            assert_eq!(values.len(), world.tree.node_count(), "{figure:?}");
+            assert!(values.iter().any(|v| *v > 0.0), "{figure:?} tells nothing");
+            assert!(values.iter().all(|v| v.is_nan() || *v >= 0.0), "{figure:?}");
+            assert!(names.insert(figure.name()) && names.insert(figure.description()));
+        }
+    }
+}
