@@ -16,6 +16,7 @@ use bvhscope::app::panels::PanelKind;
 use bvhscope::app::view::{CompareStyle, TableState};
 use bvhscope::render::{BoxStyle, View};
 use bvhscope::scene::{SceneRef, UpAxis};
+use bvhscope::world::NodeFigure;
 use egui::accesskit::Role;
 use egui::{Key, Pos2, Shape, pos2};
 use egui_kittest::Harness;
@@ -336,9 +337,33 @@ fn a_click_on_the_curve_sets_the_number_of_bins() {
 #[test]
 fn the_prediction_stands_beside_what_was_measured() {
     let harness = panel(PanelKind::Cost);
-    for label in ["Predicted: ", "Measured: ", "Rays that miss the root: "] {
+    let labels = [
+        "SAH alone: ",
+        "SAH + EPO: ",
+        "primary rays: ",
+        "diffuse rays: ",
+        "shadow rays: ",
+        "Measured: ",
+        "Rays that miss the root: ",
+        "Empty space: ",
+        "Lanes filled: ",
+    ];
+    for label in labels {
         let figure = harness.get_by_label_contains(label).value().unwrap_or_default();
         assert!(figure.chars().any(|c| c.is_ascii_digit()), "{figure}");
+    }
+    harness.get_by_label_contains("Of 5 builds");
+}
+
+#[test]
+fn boxes_can_be_coloured_by_every_figure_of_a_node() {
+    for figure in NodeFigure::ALL {
+        let mut harness = Program::full(PanelKind::Boxes, true).harness([WIDTHS[0], HEIGHT]);
+        harness.get_by_role_and_label(Role::ComboBox, "Colour").click();
+        harness.run();
+        harness.get_by_role_and_label(Role::Button, figure.label()).click();
+        harness.run();
+        assert_eq!(harness.state().session.overlay.color, figure);
     }
 }
 

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use bvh::aabb::{Aabb, Bounded};
 use bvh::bounding_hierarchy::BHShape;
-use bvhscope::accel::{Block, BuildConfig, Widen, Width};
+use bvhscope::accel::{Block, BuildConfig, Builder, Improver, Widen, Width};
 use bvhscope::geometry::Ray;
 use bvhscope::render::bench::{Query, RaySet};
 use bvhscope::task::Task;
@@ -73,6 +73,14 @@ pub fn all() -> Vec<Contender> {
         contender("bvhscope binary", |input| {
             ours(input, &BuildConfig { width: Width::W2, ..BuildConfig::default() })
         }),
+        contender("bvhscope binary, ploc", |input| {
+            ours(input, &BuildConfig { width: Width::W2, builder: Builder::Ploc, ..BuildConfig::default() })
+        }),
+        contender("bvhscope binary, binned, reinsertion", |input| {
+            let improver = Improver::Reinsertion;
+            ours(input, &BuildConfig { width: Width::W2, improver, ..BuildConfig::default() })
+        }),
+        contender("obvhs binary, fast", |input| obvhs_binary(input, BvhBuildParams::fast_build())),
         contender("obvhs binary, fastest", |input| obvhs_binary(input, BvhBuildParams::fastest_build())),
         contender("obvhs binary, medium", |input| obvhs_binary(input, BvhBuildParams::medium_build())),
         contender("obvhs binary, very slow", |input| obvhs_binary(input, BvhBuildParams::very_slow_build())),

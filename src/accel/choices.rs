@@ -17,10 +17,29 @@ pub enum Builder {
     Ploc,
     Midpoint,
     Random,
+    ObvhsFast,
+    ObvhsMedium,
+    ObvhsVerySlow,
+    Bvh,
+    Parry3d,
 }
 
 impl Builder {
-    pub const ALL: [Self; 8] = [
+    /// Those that can be used: this program's own, and with the cargo feature `peers` those of other libraries.
+    pub const ALL: [Self; Self::COUNT] = {
+        let mut all = [Self::Median; Self::COUNT];
+        let mut i = 0;
+        while i < Self::COUNT {
+            all[i] = Self::EVERY[i];
+            i += 1;
+        }
+        all
+    };
+
+    const COUNT: usize = if cfg!(feature = "peers") { 13 } else { 8 };
+
+    /// This program's own first, then the [`Builder::is_peer`] ones.
+    const EVERY: [Self; 13] = [
         Self::Median,
         Self::Sweep,
         Self::Binned,
@@ -29,6 +48,11 @@ impl Builder {
         Self::Ploc,
         Self::Midpoint,
         Self::Random,
+        Self::ObvhsFast,
+        Self::ObvhsMedium,
+        Self::ObvhsVerySlow,
+        Self::Bvh,
+        Self::Parry3d,
     ];
 
     /// The stable name, as in `--builder NAME`.
@@ -42,6 +66,11 @@ impl Builder {
             Self::Ploc => "ploc",
             Self::Midpoint => "midpoint",
             Self::Random => "random",
+            Self::ObvhsFast => "obvhs-fast",
+            Self::ObvhsMedium => "obvhs-medium",
+            Self::ObvhsVerySlow => "obvhs-very-slow",
+            Self::Bvh => "bvh",
+            Self::Parry3d => "parry3d",
         }
     }
 
@@ -66,20 +95,44 @@ impl Builder {
             Self::Random => {
                 "the worst case: shapes are shuffled, every node is split at the middle of its list"
             }
+            Self::ObvhsFast => "the crate obvhs, preset fast: ploc and a little reinsertion; its own leaves",
+            Self::ObvhsMedium => "the crate obvhs, preset medium: ploc and reinsertion; its own leaves",
+            Self::ObvhsVerySlow => {
+                "the crate obvhs, preset very slow: triangles split first, ploc, much reinsertion; its own leaves"
+            }
+            Self::Bvh => "the crate bvh: binned SAH with six bins; a shape a leaf",
+            Self::Parry3d => "the crate parry3d: binned SAH; a shape a leaf",
         }
     }
 
     /// Whether a shape may be in several leaves.
     pub fn duplicates(self) -> bool {
-        self == Self::Spatial
+        matches!(self, Self::Spatial | Self::ObvhsVerySlow)
+    }
+
+    /// Whether another library builds it: leaf limit, stop rule and costs are then that library's own.
+    pub fn is_peer(self) -> bool {
+        match self {
+            Self::ObvhsFast | Self::ObvhsMedium | Self::ObvhsVerySlow | Self::Bvh | Self::Parry3d => true,
+            Self::Median
+            | Self::Sweep
+            | Self::Binned
+            | Self::Spatial
+            | Self::Lbvh
+            | Self::Ploc
+            | Self::Midpoint
+            | Self::Random => false,
+        }
+    }
+
+    /// Whether this build of the program has it.
+    pub fn is_available(self) -> bool {
+        !self.is_peer() || cfg!(feature = "peers")
     }
 
     /// Whether `--bins` changes the tree.
     pub fn uses_bins(self) -> bool {
-        match self {
-            Self::Binned | Self::Spatial => true,
-            Self::Median | Self::Sweep | Self::Lbvh | Self::Ploc | Self::Midpoint | Self::Random => false,
-        }
+        matches!(self, Self::Binned | Self::Spatial)
     }
 
     /// Whether shapes are sorted along the Morton curve, so that `--morton` changes the tree.
@@ -89,7 +142,7 @@ impl Builder {
 
     /// Whether splits have a price, so that `--block` and the stop rule `cost` change the tree.
     pub fn weighs_cost(self) -> bool {
-        self != Self::Median
+        self != Self::Median && !self.is_peer()
     }
 }
 

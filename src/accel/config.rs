@@ -71,6 +71,11 @@ impl Default for BuildConfig {
 /// A setting outside its range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ConfigError {
+    #[error(
+        "the builder {name} comes with other libraries: build the program with them, \
+         cargo run --release --features peers"
+    )]
+    Peer { name: &'static str },
     #[error("width {width} is not one of 2, 4, 8")]
     Width { width: usize },
     #[error("block {block} is not one of 1, 2, 4, 8")]
@@ -129,6 +134,9 @@ impl BuildConfig {
 
     /// Checks every range. Errors name the setting, the value and the range.
     pub fn check(&self) -> Result<(), ConfigError> {
+        if !self.builder.is_available() {
+            return Err(ConfigError::Peer { name: self.builder.name() });
+        }
         if !Self::BINS.contains(&self.bins) {
             return Err(ConfigError::Bins { bins: self.bins });
         }

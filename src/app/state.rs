@@ -7,6 +7,7 @@ use egui::ColorImage;
 
 use super::jobs::bin_curve::CurveKey;
 use super::jobs::figures::FiguresKey;
+use super::jobs::forecast::ForecastView;
 use super::jobs::render::{Frame, MOST_PICTURES, Pace};
 use super::jobs::shadow::ShadowKey;
 use super::jobs::table::TableKey;
@@ -17,6 +18,7 @@ use super::view::{
     AppView, BinCurve, CompareStyle, CompareViews, HistoryEntry, Hover, JobStatus, RenderStatus, ShadowState,
     TableState,
 };
+use crate::inspect::prediction::Forecast;
 use crate::render::film::FilmSubject;
 use crate::render::measure::RayFigures;
 use crate::render::{DisplaySettings, Overlay};
@@ -76,6 +78,11 @@ pub struct State {
     /// The trees of `history`.
     pub history_keys: Vec<TreeKey>,
     pub figures: Option<(FiguresKey, RayFigures)>,
+    /// Of trees of one scene, from where `forecast_view` says.
+    pub forecasts: Vec<Forecast>,
+    /// The trees of `forecasts`.
+    pub forecast_keys: Vec<TreeKey>,
+    pub forecast_view: Option<(SceneKey, ForecastView)>,
     pub curve: BinCurve,
     pub curve_key: Option<CurveKey>,
     pub table: TableState,
@@ -115,6 +122,9 @@ impl State {
             history: Vec::new(),
             history_keys: Vec::new(),
             figures: None,
+            forecasts: Vec::new(),
+            forecast_keys: Vec::new(),
+            forecast_view: None,
             curve: BinCurve::default(),
             curve_key: None,
             table: TableState::default(),
@@ -276,12 +286,20 @@ impl State {
             hover: self.hover,
             overlay: self.boxes.as_ref().map(|b| &*b.overlay),
             rays: rays.map(|(_, rays)| rays),
+            forecast: self.forecast(),
+            forecasts: &self.forecasts,
             bin_curve: &self.curve,
             table: &self.table,
             shadow: &self.shadow,
             compare: self.compare,
             render: self.render_status(),
         }
+    }
+
+    /// Of the tree at hand.
+    fn forecast(&self) -> Option<&Forecast> {
+        let tree = self.document.as_ref()?.tree;
+        self.forecasts.get(self.forecast_keys.iter().position(|key| *key == tree)?)
     }
 
     fn render_status(&self) -> RenderStatus {

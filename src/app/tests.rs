@@ -187,6 +187,8 @@ fn every_panel_is_drawn_in_the_window_in_both_looks() {
     let state = harness.state().state();
     assert!(state.curve.points.len() >= 20, "the bins were measured while Cost was open");
     assert!(state.curve.sweep.is_some());
+    let forecast = state.view().forecast.copied().expect("predictions were measured while Cost was open");
+    assert!(forecast.epo.is_some() && forecast.ray_costs.shadow.is_some());
     assert!(state.shadow.counts.is_some(), "the shadows were counted while Shadows was open");
     push(&mut harness, Command::ShowPanel { panel: PanelKind::Boxes, shown: false });
     assert!(!harness.state_mut().layout_mut().is_open(PanelKind::Boxes));

@@ -6,6 +6,7 @@ use std::time::Duration;
 use crate::accel::BuildConfig;
 use crate::inspect::bin_sweep::BinPoint;
 use crate::inspect::histogram::Histogram;
+use crate::inspect::prediction::Forecast;
 use crate::inspect::shadow_difference::ClassCounts;
 use crate::inspect::stats::TreeStats;
 use crate::render::measure::RayFigures;
@@ -46,6 +47,10 @@ pub struct AppView<'a> {
     pub overlay: Option<&'a Overlay>,
     /// Camera rays of the newest tree, counted.
     pub rays: Option<&'a RayFigures>,
+    /// What is predicted of the tree, and what its rays pay; while the Cost panel is open.
+    pub forecast: Option<&'a Forecast>,
+    /// The same of all trees of this scene that are known, seen from where the camera stands.
+    pub forecasts: &'a [Forecast],
     pub bin_curve: &'a BinCurve,
     pub table: &'a TableState,
     pub shadow: &'a ShadowState,

@@ -178,8 +178,7 @@ pub static COLUMNS: &[Column] = &[
     ),
     real("empty_space_mean", "mean empty space", "the same as a mean over inner nodes with a volume", |s| {
         s.figures.empty_space_mean.into()
-    })
-    .lower(),
+    }),
     real("slot_fill", "slot fill", "share of the child slots of inner nodes that are used", |s| {
         s.figures.slot_fill.into()
     })

@@ -15,13 +15,15 @@ pub mod store;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
+use glam::Vec3;
+
 use crate::accel::quality::TreeFigures;
 use crate::accel::simd::{SimdLevel, SimdToken};
 use crate::accel::{
     BuildConfig, BuildPhase, BuildReport, LeafIntersector, Probe, Shapes, Tree, build_over, traverse,
     validate,
 };
-use crate::geometry::{Aabb, Hit, PreparedRay, Ray};
+use crate::geometry::{Aabb, Hit, PreparedRay, Ray, Shape};
 use crate::scene::{Scene, ShadowRule};
 use crate::task::{Cancelled, Task};
 
@@ -191,6 +193,13 @@ impl Shapes for BoundedShapes<'_> {
 
     fn bounds_between(&self, shape: u32, axis: usize, from: f32, to: f32) -> Aabb {
         self.0.shape(shape).bounds_between(axis, from, to)
+    }
+
+    fn corners(&self, shape: u32) -> Option<[Vec3; 3]> {
+        match self.0.shape(shape) {
+            Shape::Triangle(triangle) => Some(triangle.v),
+            Shape::Sphere(_) | Shape::Cuboid(_) | Shape::Quad(_) | Shape::Torus(_) => None,
+        }
     }
 }
 

@@ -13,12 +13,14 @@ use bvhscope::app::view::{
 };
 use bvhscope::inspect::bin_sweep::measure_bins;
 use bvhscope::inspect::histogram::Histogram;
+use bvhscope::inspect::prediction::Forecast;
 use bvhscope::inspect::shadow_difference::{ClassCounts, shadow_nodes_mean};
 use bvhscope::inspect::table::five_trees;
 use bvhscope::render::display::effective_range;
 use bvhscope::render::integrate::render;
 use bvhscope::render::measure::{RayFigures, count_rays};
 use bvhscope::render::overlay::{draw_boxes, first_hit_distances};
+use bvhscope::render::ray_costs::ray_costs;
 use bvhscope::render::{CountKind, Film, Overlay, OverlaySettings, RenderSettings, View};
 use bvhscope::scene::{Scene, SceneRef, builtin};
 use bvhscope::session::Session;
@@ -36,6 +38,8 @@ pub struct Measured {
     overlay: Overlay,
     history: Vec<HistoryEntry>,
     bin_curve: BinCurve,
+    /// Of `history`.
+    forecasts: Vec<Forecast>,
     table: TableState,
     shadow: ShadowState,
 }
@@ -87,6 +91,12 @@ fn measure() -> Measured {
     let depth = first_hit_distances(&world, &camera, 96, 54, &task).expect("nobody cancels");
     let boxes = OverlaySettings { depths: Some([0, 6]), budget: 40, ..OverlaySettings::default() };
     let overlay = draw_boxes(&world, &camera, &boxes, &depth, 96, 54, &task).expect("nobody cancels");
+    let forecast = |world: &Arc<World>| Forecast {
+        sah_cost: world.figures.sah_cost.map(|cost| cost.total()),
+        epo: world.epo(&task).expect("nobody cancels").map(|epo| epo.total),
+        ray_costs: ray_costs(world, &camera, &settings, &task).expect("nobody cancels"),
+    };
+    let forecasts = worlds.iter().map(forecast).collect();
     let points = [2, 4, 8, 16, 32, 64, 128, 256].map(|bins| {
         let base = config();
         measure_bins(&scene, &camera, &base, Some(bins), &settings, 4, bins < 64, &task).expect("no cancel")
@@ -102,7 +112,7 @@ fn measure() -> Measured {
     let nodes_mean = shadow_nodes_mean(&world, &camera, &settings, rule, 1, &task).expect("nobody cancels");
     let shadow = ShadowState { counts: ClassCounts::of(&classes), nodes_mean, running: false };
     let rays = count(&world);
-    Measured { scene, world, rays, film, histogram, overlay, history, bin_curve, table, shadow }
+    Measured { scene, world, rays, film, histogram, overlay, history, bin_curve, forecasts, table, shadow }
 }
 
 fn measured() -> &'static Measured {
@@ -234,6 +244,8 @@ impl Program {
             }),
             overlay: m.map(|m| &m.overlay),
             rays: m.map(|m| &m.rays),
+            forecast: m.and_then(|m| m.forecasts.last()),
+            forecasts: m.map_or(&[], |m| &m.forecasts),
             bin_curve: m.map_or(&NO_CURVE, |m| &m.bin_curve),
             table: &self.table,
             shadow: m.map_or(&NO_SHADOW, |m| &m.shadow),

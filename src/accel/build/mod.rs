@@ -9,6 +9,8 @@ mod median;
 mod midpoint;
 mod morton;
 mod order;
+#[cfg(feature = "peers")]
+mod peers;
 mod ploc;
 mod random;
 mod segment;
@@ -17,6 +19,8 @@ mod sweep;
 mod top_down;
 
 use std::time::Instant;
+
+use glam::Vec3;
 
 use crate::geometry::Aabb;
 use crate::task::{Cancelled, Task};
@@ -80,6 +84,11 @@ pub trait Shapes: Sync {
 
     /// A box around the part of a shape between two planes across `axis`; empty if there is none.
     fn bounds_between(&self, shape: u32, axis: usize, from: f32, to: f32) -> Aabb;
+
+    /// The corners, if the shape is a triangle: some libraries build over those.
+    fn corners(&self, _shape: u32) -> Option<[Vec3; 3]> {
+        None
+    }
 }
 
 /// Boxes that are shapes themselves.
@@ -149,6 +158,19 @@ pub fn build_over<B: Shapes + ?Sized>(
             clock.finish("split");
             Input::Binary(bvh)
         }
+        #[cfg(feature = "peers")]
+        builder if builder.is_peer() => {
+            let boxes: Vec<Aabb> = (0..count as u32).map(bounds).collect();
+            clock.finish("prepare");
+            let bvh = peers::build(shapes, &boxes, config, task)?;
+            clock.finish("split");
+            Input::Binary(bvh)
+        }
+        Builder::ObvhsFast
+        | Builder::ObvhsMedium
+        | Builder::ObvhsVerySlow
+        | Builder::Bvh
+        | Builder::Parry3d => unreachable!("the configuration was checked"),
         Builder::Sweep => Input::Boxes((0..count as u32).map(bounds).collect()),
         Builder::Spatial => {
             let refs = order::build_refs(count, bounds, task)?;

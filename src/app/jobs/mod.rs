@@ -5,6 +5,7 @@ pub mod build;
 pub mod dialog;
 pub mod export;
 pub mod figures;
+pub mod forecast;
 pub mod gate;
 pub mod job;
 pub mod keys;

@@ -1,12 +1,13 @@
 //! Which boxes of the tree are drawn over the picture, and how.
 
-use egui::{DragValue, RichText, Ui};
+use egui::{Align, Color32, DragValue, Layout, RichText, Ui};
 
 use crate::accel::quality::DepthLevel;
 use crate::app::DEFAULT_BOXES;
 use crate::app::commands::Commands;
 use crate::app::view::AppView;
-use crate::render::{BoxStyle, OverlaySettings};
+use crate::render::BoxStyle;
+use crate::render::overlay::ramp;
 use crate::world::NodeFigure;
 
 use super::glossary::Term;
@@ -37,13 +38,14 @@ impl BoxesPanel {
             };
             commands.edit(move |s| s.overlay.depths = depths);
         }
-        style(ui, &settings, commands);
+        style(ui, view, commands);
         depth_range(ui, view, deepest, commands);
         drawn(ui, view);
     }
 }
 
-fn style(ui: &mut Ui, settings: &OverlaySettings, commands: &mut Commands) {
+fn style(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
+    let settings = &view.session.overlay;
     let describe = |s: BoxStyle| (s.name(), s.description());
     if let Some(style) =
         widgets::segmented(ui, Term::BoxStyle, Some(settings.style), &BoxStyle::ALL, &describe)
@@ -52,11 +54,11 @@ fn style(ui: &mut Ui, settings: &OverlaySettings, commands: &mut Commands) {
     }
     ui.add_enabled_ui(settings.style != BoxStyle::Density, |ui| {
         let describe = |c: NodeFigure| (c.label(), c.description());
-        if let Some(color) =
-            widgets::segmented(ui, Term::BoxColor, Some(settings.color), &NodeFigure::ALL, &describe)
-        {
+        let (term, all) = (Term::BoxColor, &NodeFigure::ALL);
+        if let Some(color) = widgets::combo(ui, term, Some(settings.color), all, &describe, "") {
             commands.edit(move |s| s.overlay.color = color);
         }
+        color_legend(ui, view);
         if widgets::switch(ui, Term::Hidden, settings.show_hidden) {
             commands.edit(|s| s.overlay.show_hidden = !s.overlay.show_hidden);
         }
@@ -175,4 +177,31 @@ fn drawn(ui: &mut Ui, view: &AppView) {
         );
         widgets::notice(ui, view.palette.warning, text);
     }
+}
+
+/// What the colours of the drawn boxes mean, below their name.
+fn color_legend(ui: &mut Ui, view: &AppView) {
+    let color = view.session.overlay.color;
+    let drawn = view.overlay.filter(|_| view.session.overlay.depths.is_some());
+    let Some(range) = drawn.and_then(|overlay| overlay.color_range) else { return };
+    let shade = |t: f32| {
+        let [r, g, b] = ramp(t);
+        Color32::from_rgb(r, g, b)
+    };
+    let scale = if color.spans_decades() { ", on a logarithmic scale" } else { "" };
+    let text = format!("{}{scale}.", widgets::capitalised(color.description()));
+    widgets::row(ui, Term::ColorScale, |ui| {
+        ui.vertical(|ui| {
+            widgets::color_bar(ui, &shade).on_hover_text(text);
+            let ends = range.map(|end| match color {
+                NodeFigure::Depth | NodeFigure::LeafSize => numbers::decimal(f64::from(end), 0),
+                _ => numbers::short(f64::from(end)),
+            });
+            ui.horizontal(|ui| {
+                let [low, high] = ends.map(|text| RichText::new(text).small().color(view.palette.muted));
+                ui.label(low);
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.label(high));
+            });
+        });
+    });
 }

@@ -8,12 +8,12 @@ use crate::app::commands::Commands;
 use crate::app::theme::Palette;
 use crate::app::view::{AppView, BinCurve};
 use crate::inspect::bin_sweep::BinPoint;
-use crate::render::measure::RayFigures;
 use crate::world::World;
 
 use super::chart::{self, Axis, Chart};
 use super::glossary::Term;
 use super::numbers;
+use super::prediction;
 use super::widgets::{self, Figure};
 
 /// What a curve over the number of bins shows.
@@ -87,7 +87,7 @@ impl CostPanel {
             return;
         };
         parts(ui, view.palette, world);
-        prediction(ui, view, world);
+        prediction::ui(ui, view, world);
         per_depth(ui, view.palette, world);
         leaf_sizes(ui, view.palette, world);
         self.bins(ui, view, commands);
@@ -138,7 +138,22 @@ fn parts(ui: &mut Ui, palette: &Palette, world: &World) {
         share_bar(ui, &[(cost.inner, palette.accent), (cost.leaf, palette.second)]);
         widgets::legend(ui, palette, &[("inner nodes", palette.accent), ("leaves", palette.second)]);
     }
-    Figure::new(Term::Overlap, numbers::decimal(world.figures.overlap, 2)).show(ui, palette);
+    boxes(ui, palette, world);
+}
+
+/// What else the boxes say.
+fn boxes(ui: &mut Ui, palette: &Palette, world: &World) {
+    let figures = &world.figures;
+    Figure::new(Term::Overlap, numbers::decimal(figures.overlap, 2)).unit("").show(ui, palette);
+    let share = |x: Option<f64>| x.map_or(numbers::DASH.to_owned(), |x| numbers::percent(x, 1.0));
+    let empty_sum = format!("Summed over all inner nodes: {}.", numbers::decimal(figures.empty_space, 2));
+    let empty = Figure::new(Term::EmptySpace, share(figures.empty_space_mean)).unit("%");
+    empty.note(empty_sum).show(ui, palette);
+    Figure::new(Term::SlotFill, share(figures.slot_fill)).unit("%").show(ui, palette);
+    Figure::new(Term::LeafFill, share(figures.leaf_fill)).unit("%").show(ui, palette);
+    let count = world.scene.shape_count();
+    let bytes = (count > 0).then(|| world.bytes() as f64 / count as f64);
+    Figure::new(Term::BytesPerShape, numbers::decimal(bytes, 1)).unit("B").show(ui, palette);
 }
 
 /// Shares of a whole as one bar.
@@ -156,40 +171,6 @@ pub fn share_bar(ui: &mut Ui, parts: &[(f64, Color32)]) {
         ui.painter().rect_filled(piece, 0.0, *color);
         left = right;
     }
-}
-
-fn prediction(ui: &mut Ui, view: &AppView, world: &World) {
-    widgets::section(ui, "Ray cost");
-    let p = view.palette;
-    let predicted = world.figures.sah_cost.map(|c| c.total());
-    let hit = view.rays.and_then(cost_of_hits);
-    Figure::new(Term::Predicted, numbers::decimal(predicted, 2)).unit("").show(ui, p);
-    let ratio = hit.zip(predicted).map_or(String::new(), |(hit, predicted)| {
-        format!("{} % of what the SAH cost predicts.", numbers::percent(hit, predicted))
-    });
-    Figure::new(Term::MeasuredHit, numbers::decimal(hit, 2)).unit("").note(ratio).show(ui, p);
-    let all = view.rays.and_then(|r| r.ray_cost_mean);
-    Figure::new(Term::MeasuredAll, numbers::decimal(all, 2)).unit("").part().show(ui, p);
-    let missed = view.rays.map_or(numbers::DASH.to_owned(), |r| {
-        numbers::percent(r.missed_root_count as f64, r.ray_count as f64)
-    });
-    Figure::new(Term::MissedRoot, missed).unit("%").show(ui, p);
-    let means = [
-        (Term::NodesVisited, view.rays.and_then(|r| r.nodes_visited_mean)),
-        (Term::BoxTests, view.rays.and_then(|r| r.box_tests_mean)),
-        (Term::ShapeTests, view.rays.and_then(|r| r.shape_tests_mean)),
-        (Term::LeafVisits, view.rays.and_then(|r| r.leaf_visits_mean)),
-        (Term::Lcv, view.rays.and_then(|r| r.lcv)),
-    ];
-    for (term, mean) in means {
-        Figure::new(term, numbers::decimal(mean, 2)).unit("").show(ui, p);
-    }
-}
-
-/// The mean ray cost of the rays that hit the root's box; `None` if none does.
-fn cost_of_hits(rays: &RayFigures) -> Option<f64> {
-    let hits = rays.ray_count.checked_sub(rays.missed_root_count).filter(|n| *n > 0)?;
-    Some(rays.ray_cost_mean? * rays.ray_count as f64 / hits as f64)
 }
 
 fn per_depth(ui: &mut Ui, palette: &Palette, world: &World) {
@@ -357,19 +338,6 @@ fn curve_notes(ui: &mut Ui, view: &AppView, curve: &BinCurve) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn rays_that_miss_the_root_do_not_dilute_the_cost_of_those_that_hit_it() {
-        let rays = RayFigures {
-            ray_count: 100,
-            missed_root_count: 75,
-            ray_cost_mean: Some(5.0),
-            ..RayFigures::default()
-        };
-        assert_eq!(cost_of_hits(&rays), Some(20.0));
-        assert_eq!(cost_of_hits(&RayFigures { missed_root_count: 100, ..rays }), None);
-        assert_eq!(cost_of_hits(&RayFigures { ray_cost_mean: None, ..rays }), None);
-    }
 
     #[test]
     fn numbers_of_bins_are_compared_by_doublings() {

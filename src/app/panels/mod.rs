@@ -9,6 +9,7 @@ mod glossary;
 mod heatmap;
 mod history;
 mod numbers;
+mod prediction;
 mod range_bars;
 mod scene;
 mod shadows;

@@ -417,6 +417,27 @@ pub fn swatch(ui: &mut Ui, color: Color32) {
 }
 
 /// Series of a chart with their colours, in one wrapped line.
+/// A bar of colours from 0 on the left to 1 on the right.
+pub fn color_bar(ui: &mut Ui, color: &dyn Fn(f32) -> Color32) -> Response {
+    const STEPS: usize = 64;
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 10.0), Sense::hover());
+    let mut mesh = egui::Mesh::default();
+    for i in 0..=STEPS {
+        let t = i as f32 / STEPS as f32;
+        let x = rect.left() + t * rect.width();
+        let color = color(t);
+        mesh.colored_vertex(egui::pos2(x, rect.top()), color);
+        mesh.colored_vertex(egui::pos2(x, rect.bottom()), color);
+        if i > 0 {
+            let last = 2 * i as u32;
+            mesh.add_triangle(last - 2, last - 1, last);
+            mesh.add_triangle(last - 1, last, last + 1);
+        }
+    }
+    ui.painter().add(mesh);
+    response
+}
+
 pub fn legend(ui: &mut Ui, palette: &Palette, series: &[(&str, Color32)]) {
     ui.horizontal_wrapped(|ui| {
         for (name, color) in series {

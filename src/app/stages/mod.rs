@@ -5,6 +5,7 @@ mod build;
 pub mod curve;
 pub mod export;
 mod figures;
+mod forecast;
 pub mod load;
 mod overlay;
 mod picture;
@@ -18,6 +19,7 @@ use super::jobs::build::BuildJob;
 use super::jobs::dialog::Dialogs;
 use super::jobs::export::ExportJob;
 use super::jobs::figures::FiguresJob;
+use super::jobs::forecast::ForecastJob;
 use super::jobs::load::LoadJob;
 use super::jobs::overlay::OverlayJob;
 use super::jobs::present::PresentJob;
@@ -40,6 +42,7 @@ pub struct Jobs {
     pub present: PresentJob,
     pub overlay: OverlayJob,
     pub figures: FiguresJob,
+    pub forecast: ForecastJob,
     pub curve: CurveJob,
     pub table: TableJob,
     pub shadow: ShadowJob,
@@ -57,6 +60,7 @@ pub struct Memo {
     pub render: Option<RenderMemo>,
     pub overlay: overlay::OverlayMemo,
     pub figures: Option<super::jobs::figures::FiguresKey>,
+    forecast: forecast::ForecastMemo,
     pub curve: curve::CurveMemo,
     pub table: table::TableMemo,
     pub shadow: Option<super::jobs::shadow::ShadowKey>,
@@ -102,6 +106,7 @@ impl Jobs {
             present: super::jobs::present::job(),
             overlay: super::jobs::overlay::job(),
             figures: super::jobs::figures::job(),
+            forecast: super::jobs::forecast::job(),
             curve: bin_curve::job(),
             table: super::jobs::table::job(),
             shadow: super::jobs::shadow::job(),
@@ -118,6 +123,7 @@ impl Jobs {
         picture::receive(self, state);
         overlay::receive(self, state);
         figures::receive(self, state);
+        forecast::receive(self, state);
         curve::receive(self, state);
         table::receive(self, state, now);
         shadow::receive(self, state);
@@ -133,6 +139,7 @@ impl Jobs {
         picture::start(self, state, now);
         overlay::start(self, state, now);
         figures::start(self, state, now);
+        forecast::start(self, state, now);
         curve::start(self, state, now);
         table::start(self, state, now);
         shadow::start(self, state, now);
@@ -149,6 +156,7 @@ impl Jobs {
             && self.present.is_idle()
             && self.overlay.is_idle()
             && self.figures.is_idle()
+            && self.forecast.is_idle()
             && self.curve.is_idle()
             && self.table.is_idle()
             && self.shadow.is_idle()
@@ -165,6 +173,7 @@ impl Jobs {
             ("showing the picture", self.present.take_failure()),
             ("drawing the boxes", self.overlay.take_failure()),
             ("counting rays", self.figures.take_failure()),
+            ("measuring predictions", self.forecast.take_failure()),
             ("measuring the bins", self.curve.take_failure()),
             ("measuring the table", self.table.take_failure()),
             ("counting shadows", self.shadow.take_failure()),
