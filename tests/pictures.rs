@@ -573,7 +573,10 @@ mod estimators {
 mod films {
     //! What must hold of films of every view.
 
+    use std::sync::Arc;
+
     use super::common::*;
+    use bvhscope::accel::{BuildConfig, Probe, Width};
     use bvhscope::render::film::{Film, FilmSubject};
     use bvhscope::render::integrate::{add_sample, render};
     use bvhscope::render::measure::{count_rays, time_frame};
@@ -581,6 +584,8 @@ mod films {
     use bvhscope::render::{CountKind, View};
     use bvhscope::scene::{ShadowRule, builtin};
     use bvhscope::task::{Cancelled, Task};
+    use bvhscope::world::World;
+    use glam::Vec2;
 
     #[test]
     fn every_view_is_the_same_at_any_thread_count() {
@@ -669,6 +674,45 @@ mod films {
             }
             rays += figures.ray_count;
             nodes += sum;
+        }
+    }
+
+    /// The leaves that a ray visits, written down one by one.
+    #[derive(Default)]
+    struct Leaves(Vec<u32>);
+
+    impl Probe for Leaves {
+        fn inner_visited(&mut self, _: u32, _: u32) {}
+        fn shapes_tested(&mut self, _: u32) {}
+        fn leaf_visited(&mut self, leaf_idx: u32) {
+            self.0.push(leaf_idx);
+        }
+    }
+
+    #[test]
+    fn lcv_is_the_deviation_of_the_leaves_that_single_rays_visit() {
+        for (scene, width) in [("bunny", Width::W2), ("soup:300", Width::W8)] {
+            let scene = Arc::new(builtin::make(scene).expect("a built-in scene"));
+            let config = BuildConfig { width, ..BuildConfig::default() };
+            let world = World::build(scene, &config, &Task::new()).expect("nobody cancels");
+            let (camera, settings) = (&world.scene.camera, settings([48, 27], 6));
+            let figures = count_rays(&world, camera, &settings, CountKind::Camera, 1, &Task::new());
+            let frame = camera.frame(48, 27);
+            let visits = |i: u32| {
+                let mut leaves = Leaves::default();
+                let pixel = Vec2::new((i % 48) as f32 + 0.5, (i / 48) as f32 + 0.5);
+                world.intersect(&frame.ray(pixel), &mut leaves);
+                let count = leaves.0.len();
+                leaves.0.sort_unstable();
+                leaves.0.dedup();
+                assert_eq!(leaves.0.len(), count, "no leaf is visited twice");
+                count as f64
+            };
+            let visits: Vec<f64> = (0..48 * 27).map(visits).collect();
+            let mean = visits.iter().sum::<f64>() / visits.len() as f64;
+            let variance = visits.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / visits.len() as f64;
+            let lcv = figures.expect("nobody cancels").lcv.expect("rays were counted");
+            assert!((lcv - variance.sqrt()).abs() < 1e-9 && lcv > 0.1, "{lcv} {}", variance.sqrt());
         }
     }
 

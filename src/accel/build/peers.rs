@@ -268,7 +268,7 @@ mod tests {
         let mut vector =
             |scale: f32| Vec3::from_array(std::array::from_fn(|_| rng.random_range(-scale..scale)));
         let triangle = |i: usize| {
-            let (at, size) = (vector(10.0), if i % 9 == 0 { 8.0 } else { 0.3 });
+            let (at, size) = (vector(10.0), if i.is_multiple_of(9) { 8.0 } else { 0.3 });
             [at, at + vector(size), at + vector(size)]
         };
         Triangles((0..count).map(triangle).collect())
