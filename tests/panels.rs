@@ -10,7 +10,7 @@ mod window;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use bvhscope::accel::{Builder, Width};
+use bvhscope::accel::{Builder, Layout, Width};
 use bvhscope::app::commands::SaveTarget;
 use bvhscope::app::panels::PanelKind;
 use bvhscope::app::view::{CompareStyle, TableState};
@@ -132,6 +132,35 @@ fn dragging_bins_changes_them_at_once_and_holds_the_range_meanwhile() {
     harness.run();
     assert!(!harness.state().range_locked);
     assert_eq!(harness.state().asked, ["hold range true", "hold range false"]);
+}
+
+#[test]
+fn nodes_are_compressed_at_width_8_only() {
+    let mut harness = panel(PanelKind::Build);
+    let click = |harness: &mut Harness<'_, Program>, label: &str| {
+        harness.get_by_label(label).click();
+        harness.run();
+    };
+    let layout = |harness: &Harness<'_, Program>| harness.state().session.build().layout;
+    assert!(harness.get_by_label("Layout compressed").accesskit_node().is_disabled(), "at width 2");
+    click(&mut harness, "Width 8");
+    click(&mut harness, "Layout compressed");
+    assert_eq!(layout(&harness), Layout::Compressed);
+    let note = "Compressed leaves hold 3 shapes at most.";
+    assert!(harness.query_by_label(note).is_none());
+    harness.get_by_role_and_label(Role::Slider, "Leaf limit").set_value_accesskit(8.0);
+    harness.run();
+    harness.get_by_label(note);
+    harness.get_by_role_and_label(Role::Slider, "Pre-split").set_value_accesskit(0.3);
+    harness.run();
+    assert_eq!((layout(&harness), harness.state().session.build().pre_split), (Layout::Compressed, 0.3));
+    assert_eq!(clipped_texts(&harness), Vec::<String>::new());
+    if let Some(picture) = picture(&mut harness) {
+        keep(&picture, "Build-compressed");
+    }
+    click(&mut harness, "Width 4");
+    assert_eq!(layout(&harness), Layout::Full);
+    assert_eq!(harness.state().session.build().check(), Ok(()));
 }
 
 #[test]

@@ -9,7 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
 use bvhscope::accel::simd::SimdLevel;
-use bvhscope::accel::{BuildConfig, Builder, RayCounters, StopRule, Widen, Width, validate};
+use bvhscope::accel::{BuildConfig, Builder, Layout, RayCounters, StopRule, Widen, Width, validate};
 use bvhscope::geometry::{
     Cuboid, Hit, Plane, PreparedRay, Quad, Ray, Rigid, Shape, ShapeHit, ShapeKind, Sphere, Torus, Triangle,
 };
@@ -197,15 +197,22 @@ fn scenes() -> Vec<Scene> {
     all
 }
 
-/// Every builder, width and way of widening, at small and large leaves.
+/// Every builder, width, layout and way of widening, at small and large leaves, with shapes whole and cut in advance.
 fn configs() -> Vec<BuildConfig> {
     let mut all = Vec::new();
     for builder in Builder::ALL {
-        for width in Width::ALL {
+        for (width, layout) in BuildConfig::NODES {
             for widen in Widen::ALL {
-                for (leaf, stop) in [(2, StopRule::Limit), (1, StopRule::Cost), (11, StopRule::Cost)] {
+                for (leaf, stop, pre_split) in [
+                    (2, StopRule::Limit, 0.0),
+                    (1, StopRule::Cost, 0.0),
+                    (11, StopRule::Cost, 0.0),
+                    (2, StopRule::Limit, 0.6),
+                ] {
+                    let config =
+                        BuildConfig { builder, width, layout, widen, leaf, stop, ..BuildConfig::default() };
                     if width != Width::W2 || widen == Widen::Split {
-                        all.push(BuildConfig { builder, width, widen, leaf, stop, ..BuildConfig::default() });
+                        all.push(BuildConfig { pre_split, ..config });
                     }
                 }
             }
@@ -430,8 +437,10 @@ fn seam_point(scene: &Scene, rng: &mut Pcg32) -> Vec3 {
 fn check_watertight(scene: Scene, inside: f32) {
     let scene = Arc::new(scene);
     let configs = BuildConfig::default().five_trees().map(|(_, config)| config);
-    let octal = BuildConfig { width: Width::W8, widen: Widen::Collapse, ..BuildConfig::default() };
-    for config in configs.into_iter().chain([octal]) {
+    let octal = BuildConfig { widen: Widen::Collapse, ..BuildConfig::default() };
+    let compressed = BuildConfig { layout: Layout::Compressed, ..octal };
+    let cut = BuildConfig { pre_split: 0.5, ..octal };
+    for config in configs.into_iter().chain([octal, compressed, cut]) {
         let world = build(&scene, &config);
         let mut rng = Pcg32::seed_from_u64(8);
         for i in 0..6000 {
@@ -520,11 +529,11 @@ fn every_level_of_instructions_gives_the_same_hits_and_counts() {
     for scene in scenes() {
         let scene = Arc::new(scene);
         let rays = rays(&scene, 1500);
-        for width in Width::ALL {
+        for (width, layout) in BuildConfig::NODES {
             for leaf in [1, 6] {
-                let worlds = levels
-                    .iter()
-                    .map(|&simd| build(&scene, &BuildConfig { width, leaf, simd, ..BuildConfig::default() }));
+                let worlds = levels.iter().map(|&simd| {
+                    build(&scene, &BuildConfig { width, layout, leaf, simd, ..BuildConfig::default() })
+                });
                 let mut answers = worlds.map(|world| {
                     let ask = |ray: &Ray| {
                         let mut counters = [RayCounters::default(); 3];
@@ -538,7 +547,11 @@ fn every_level_of_instructions_gives_the_same_hits_and_counts() {
                 let first = answers.next().expect("a level");
                 for (level, answers) in levels[1..].iter().zip(answers) {
                     for (ray, (a, b)) in rays.iter().zip(first.iter().zip(&answers)) {
-                        assert_eq!(a, b, "{level:?} of '{}', width {width:?}: {ray:?}", scene.name);
+                        assert_eq!(
+                            a, b,
+                            "{level:?} of '{}', width {width:?} {layout:?}: {ray:?}",
+                            scene.name
+                        );
                     }
                 }
             }
@@ -620,9 +633,9 @@ fn a_packet_answers_and_counts_as_its_rays_alone() {
         let scene = Arc::new(scene);
         let mut all = coherent_rays(&scene);
         all.extend(rays(&scene, 500));
-        for width in Width::ALL {
+        for (width, layout) in BuildConfig::NODES {
             for (leaf, simd) in [1, 6].into_iter().flat_map(|leaf| levels().map(move |simd| (leaf, simd))) {
-                let config = BuildConfig { width, leaf, simd, ..BuildConfig::default() };
+                let config = BuildConfig { width, layout, leaf, simd, ..BuildConfig::default() };
                 let world = build(&scene, &config);
                 check_packets(&world, &all, &format!("'{}' with {config:?}", scene.name));
             }
@@ -645,9 +658,9 @@ fn packets_part_ways_as_often_as_they_must() {
             Ray::new(origin, vec(&mut rng, 0.3) - origin)
         })
         .collect();
-    for width in Width::ALL {
+    for (width, layout) in BuildConfig::NODES {
         for builder in [Builder::Median, Builder::Binned] {
-            let config = BuildConfig { builder, width, leaf: 1, ..BuildConfig::default() };
+            let config = BuildConfig { builder, width, layout, leaf: 1, ..BuildConfig::default() };
             check_packets(&build(&scene, &config), &rays, &format!("{config:?}"));
         }
     }

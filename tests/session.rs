@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bvhscope::accel::simd::SimdLevel;
-use bvhscope::accel::{Block, BuildConfig, Builder, Improver, Morton, StopRule, Widen, Width};
+use bvhscope::accel::{Block, BuildConfig, Builder, Improver, Layout, Morton, StopRule, Widen, Width};
 use bvhscope::export::session_file;
 use bvhscope::render::{
     BoxStyle, ColorMap, CountKind, DisplaySettings, OverlaySettings, RenderSettings, ToneMap, View,
@@ -32,14 +32,18 @@ fn finite() -> impl Strategy<Value = f32> {
 fn build() -> impl Strategy<Value = BuildConfig> {
     let choices = (
         select(&Builder::ALL[..]),
-        select(&Width::ALL[..]),
+        select(&Width::ALL[..]).prop_flat_map(|width| {
+            let layouts = if width == Width::W8 { &Layout::ALL[..] } else { &[Layout::Full] };
+            (Just(width), select(layouts))
+        }),
         select(&Widen::ALL[..]),
         select(&StopRule::ALL[..]),
         select(&Block::ALL[..]),
         select(&Improver::ALL[..]),
         select(&Morton::ALL[..]),
     );
-    let cuts = (BuildConfig::RADIUS, 0.0f32..=1.0, 0.0f32..=BuildConfig::MAX_BUDGET);
+    let budget = || 0.0f32..=BuildConfig::MAX_BUDGET;
+    let cuts = (BuildConfig::RADIUS, 0.0f32..=1.0, budget(), budget());
     let costs = (1e-6f32..1000.0, 1e-6f32..1000.0);
     let numbers = (
         BuildConfig::BINS,
@@ -51,12 +55,13 @@ fn build() -> impl Strategy<Value = BuildConfig> {
     );
     (choices, numbers).prop_map(
         |(
-            (builder, width, widen, stop, block, improver, morton),
-            (bins, leaf, rounds, share, (ct, ci), (radius, split_alpha, split_budget)),
+            (builder, (width, layout), widen, stop, block, improver, morton),
+            (bins, leaf, rounds, share, (ct, ci), (radius, split_alpha, split_budget, pre_split)),
         )| {
             BuildConfig {
                 builder,
                 width,
+                layout,
                 widen,
                 stop,
                 block,
@@ -65,6 +70,7 @@ fn build() -> impl Strategy<Value = BuildConfig> {
                 radius,
                 split_alpha,
                 split_budget,
+                pre_split,
                 rounds,
                 share,
                 bins,

@@ -1,5 +1,5 @@
 //! No ray leaves a closed mesh: aimed exactly at shared vertices and edges, along axes, with zeros of both signs, at
-//! every width and every level of instructions.
+//! every width and layout and every level of instructions.
 //!
 //! `BVHSCOPE_WATERTIGHT_RAYS` sets how many rays are shot in each mesh. The full run, some minutes long:
 //!
@@ -14,8 +14,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use rayon::prelude::*;
 
+use bvhscope::accel::BuildConfig;
 use bvhscope::accel::simd::SimdLevel;
-use bvhscope::accel::{BuildConfig, Width};
 use bvhscope::geometry::{Ray, ShapeKind};
 use bvhscope::scene::{Color, Material, MaterialKind, Mesh, Scene, ShapeSlot};
 use bvhscope::task::Task;
@@ -168,13 +168,19 @@ impl Shot {
     }
 }
 
-/// One world for every width and level of instructions.
+/// One world for every width, layout and level of instructions.
 fn worlds(mesh: &ClosedMesh) -> Vec<(BuildConfig, World)> {
     let scene = Arc::new(mesh.scene());
     let levels = SimdLevel::ALL.into_iter().filter(|level| *level != SimdLevel::Auto && level.is_available());
     let configs = levels.flat_map(|simd| {
         // More than one triangle a leaf, so that blocks are tested, full ones and others.
-        Width::ALL.map(|width| BuildConfig { width, simd, leaf: 4, ..BuildConfig::default() })
+        BuildConfig::NODES.map(|(width, layout)| BuildConfig {
+            width,
+            layout,
+            simd,
+            leaf: 4,
+            ..BuildConfig::default()
+        })
     });
     configs
         .map(|config| {

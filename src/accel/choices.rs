@@ -105,8 +105,8 @@ impl Builder {
         }
     }
 
-    /// Whether a shape may be in several leaves.
-    pub fn duplicates(self) -> bool {
+    /// Whether it cuts shapes, so that one may be in several leaves.
+    pub fn cuts_shapes(self) -> bool {
         matches!(self, Self::Spatial | Self::ObvhsVerySlow)
     }
 
@@ -188,6 +188,37 @@ impl TryFrom<usize> for Width {
 
     fn try_from(width: usize) -> Result<Self, ConfigError> {
         Self::ALL.into_iter().find(|w| w.get() == width).ok_or(ConfigError::Width { width })
+    }
+}
+
+/// How nodes lie in memory.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Layout {
+    #[default]
+    Full,
+    /// Of width 8 only, with at most [`CompressedBvh::LEAF`](super::compressed::CompressedBvh::LEAF) shapes a leaf.
+    Compressed,
+}
+
+impl Layout {
+    pub const ALL: [Self; 2] = [Self::Full, Self::Compressed];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Full => "full",
+            Self::Compressed => "compressed",
+        }
+    }
+
+    /// One line for lists and tooltips.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Full => "the sides of boxes are floats: a node of width 8 takes 256 bytes",
+            Self::Compressed => {
+                "the sides of boxes are bytes on a grid: 80 bytes a node; width 8, at most 3 shapes a leaf"
+            }
+        }
     }
 }
 

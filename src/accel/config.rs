@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::compressed::CompressedBvh;
 use super::simd::SimdLevel;
 
-pub use super::choices::{Block, Builder, Improver, Morton, StopRule, Widen, Width};
+pub use super::choices::{Block, Builder, Improver, Layout, Morton, StopRule, Widen, Width};
 
 /// Everything that decides which tree is built over given boxes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -12,6 +13,7 @@ pub use super::choices::{Block, Builder, Improver, Morton, StopRule, Widen, Widt
 pub struct BuildConfig {
     pub builder: Builder,
     pub width: Width,
+    pub layout: Layout,
     pub widen: Widen,
     pub stop: StopRule,
     /// Number of bins an axis, in [`BuildConfig::BINS`].
@@ -27,6 +29,9 @@ pub struct BuildConfig {
     /// The most references that cuts of `spatial` may add, as a share of the shapes; from 0 to
     /// [`BuildConfig::MAX_BUDGET`].
     pub split_budget: f32,
+    /// The most references that cutting large shapes before the build may add, as a share of the shapes; from 0 (nothing is
+    /// cut) to [`BuildConfig::MAX_BUDGET`].
+    pub pre_split: f32,
     /// Most references in a leaf, in [`BuildConfig::LEAF`].
     pub leaf: usize,
     pub block: Block,
@@ -49,6 +54,7 @@ impl Default for BuildConfig {
         Self {
             builder: Builder::default(),
             width: Width::default(),
+            layout: Layout::default(),
             widen: Widen::default(),
             stop: StopRule::default(),
             bins: 16,
@@ -56,6 +62,7 @@ impl Default for BuildConfig {
             radius: 14,
             split_alpha: 1e-5,
             split_budget: 0.5,
+            pre_split: 0.0,
             leaf: 2,
             block: Block::default(),
             improver: Improver::default(),
@@ -78,6 +85,8 @@ pub enum ConfigError {
     Peer { name: &'static str },
     #[error("width {width} is not one of 2, 4, 8")]
     Width { width: usize },
+    #[error("layout {layout} is made for width 8, not for width {width}")]
+    Layout { layout: &'static str, width: usize },
     #[error("block {block} is not one of 1, 2, 4, 8")]
     Block { block: usize },
     #[error("morton {bits} is not one of 30, 63")]
@@ -88,6 +97,8 @@ pub enum ConfigError {
     Alpha { alpha: f32 },
     #[error("split-budget {budget} is not a number from 0 to 4")]
     Budget { budget: f32 },
+    #[error("pre-split {share} is not a number from 0 to 4")]
+    PreSplit { share: f32 },
     #[error("bins {bins} is outside 2 to 256")]
     Bins { bins: usize },
     #[error("leaf {leaf} is outside 1 to 64")]
@@ -103,6 +114,13 @@ pub enum ConfigError {
 }
 
 impl BuildConfig {
+    /// The layouts that nodes of each width can have.
+    pub const NODES: [(Width, Layout); 4] = [
+        (Width::W2, Layout::Full),
+        (Width::W4, Layout::Full),
+        (Width::W8, Layout::Full),
+        (Width::W8, Layout::Compressed),
+    ];
     pub const BINS: std::ops::RangeInclusive<usize> = 2..=256;
     pub const LEAF: std::ops::RangeInclusive<usize> = 1..=64;
     pub const RADIUS: std::ops::RangeInclusive<usize> = 1..=128;
@@ -117,7 +135,14 @@ impl BuildConfig {
 
     /// The five trees of the first table, by name, at this leaf limit, number of bins and these costs.
     pub fn five_trees(&self) -> [(&'static str, Self); 5] {
-        let base = Self { stop: StopRule::Limit, widen: Widen::Split, improver: Improver::None, ..*self };
+        let base = Self {
+            stop: StopRule::Limit,
+            widen: Widen::Split,
+            improver: Improver::None,
+            pre_split: 0.0,
+            layout: Layout::Full,
+            ..*self
+        };
         [
             ("BVH", Self { builder: Builder::Median, width: Width::W2, ..base }),
             ("BVH_SAH", Self { builder: Builder::Sweep, width: Width::W2, ..base }),
@@ -125,6 +150,19 @@ impl BuildConfig {
             ("BVH_BIN", Self { builder: Builder::Binned, width: Width::W2, ..base }),
             ("QBVH_BIN", Self { builder: Builder::Binned, width: Width::W4, ..base }),
         ]
+    }
+
+    /// [`BuildConfig::leaf`], or fewer where the layout has no room for them.
+    pub fn leaf_limit(&self) -> usize {
+        match self.layout {
+            Layout::Full => self.leaf,
+            Layout::Compressed => self.leaf.min(CompressedBvh::LEAF),
+        }
+    }
+
+    /// Whether a shape may be in several leaves.
+    pub fn duplicates(&self) -> bool {
+        self.builder.cuts_shapes() || self.pre_split > 0.0
     }
 
     /// Whether wide nodes are made from a finished binary tree that is itself built down to single shapes.
@@ -136,6 +174,9 @@ impl BuildConfig {
     pub fn check(&self) -> Result<(), ConfigError> {
         if !self.builder.is_available() {
             return Err(ConfigError::Peer { name: self.builder.name() });
+        }
+        if !Self::NODES.contains(&(self.width, self.layout)) {
+            return Err(ConfigError::Layout { layout: self.layout.name(), width: self.width.get() });
         }
         if !Self::BINS.contains(&self.bins) {
             return Err(ConfigError::Bins { bins: self.bins });
@@ -151,6 +192,9 @@ impl BuildConfig {
         }
         if !(0.0..=Self::MAX_BUDGET).contains(&self.split_budget) {
             return Err(ConfigError::Budget { budget: self.split_budget });
+        }
+        if !(0.0..=Self::MAX_BUDGET).contains(&self.pre_split) {
+            return Err(ConfigError::PreSplit { share: self.pre_split });
         }
         if !Self::ROUNDS.contains(&self.rounds) {
             return Err(ConfigError::Rounds { rounds: self.rounds });

@@ -4,6 +4,7 @@
 pub mod build;
 mod bvh2;
 mod choices;
+pub mod compressed;
 pub mod config;
 mod optimize;
 mod optimum;
@@ -16,6 +17,9 @@ pub mod widen;
 
 pub use build::{BuildPhase, BuildReport, Shapes, build, build_over};
 pub use bvh2::{Bvh2, Bvh2Node};
-pub use config::{Block, BuildConfig, Builder, ConfigError, Improver, Morton, StopRule, Widen, Width};
+pub use compressed::CompressedBvh;
+pub use config::{
+    Block, BuildConfig, Builder, ConfigError, Improver, Layout, Morton, StopRule, Widen, Width,
+};
 pub use traverse::{LeafIntersector, Probe, RayCounters};
-pub use tree::{ChildRef, NodeId, NodeKind, NodeView, Tree, WideBvh};
+pub use tree::{ChildRef, NodeId, NodeKind, NodeView, Nodes, Tree, WideBvh};

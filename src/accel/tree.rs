@@ -1,10 +1,13 @@
-//! The trees: [`WideBvh`] as builders make it and rays walk it, and [`Tree`], any width behind one face.
+//! The trees: [`WideBvh`] as builders make it and rays walk it, and [`Tree`], any width and layout behind one face.
+
+use std::borrow::Cow;
 
 use glam::Vec3;
 
 use crate::geometry::Aabb;
 
-use super::config::Width;
+use super::compressed::CompressedBvh;
+use super::config::{Layout, Width};
 
 /// A child slot: nothing, an inner node, or a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -92,8 +95,15 @@ impl<const N: usize> WideNode<N> {
         }
     }
 
+    /// The sides of a child's box, minima first.
+    #[inline(always)]
+    pub fn slot_sides(&self, slot: usize) -> [f32; 6] {
+        let [a, b, c, d, e, f] = &self.sides;
+        [a[slot], b[slot], c[slot], d[slot], e[slot], f[slot]]
+    }
+
     pub fn child_bounds(&self, slot: usize) -> Aabb {
-        let [min_x, min_y, min_z, max_x, max_y, max_z] = self.sides.map(|side| side[slot]);
+        let [min_x, min_y, min_z, max_x, max_y, max_z] = self.slot_sides(slot);
         Aabb { min: Vec3::new(min_x, min_y, min_z), max: Vec3::new(max_x, max_y, max_z) }
     }
 
@@ -117,25 +127,93 @@ impl<const N: usize> WideBvh<N> {
         }
     }
 
+    /// Lets no leaf name a shape twice that was cut in parts. The references of every leaf ascend.
+    pub fn merge_parts(&mut self) {
+        let mut refs = Vec::with_capacity(self.refs.len());
+        for leaf in &mut self.leaves {
+            let shapes = &self.refs[leaf.first as usize..][..leaf.count as usize];
+            debug_assert!(shapes.is_sorted(), "a leaf's references ascend");
+            let first = refs.len();
+            refs.extend_from_slice(&shapes[..1]);
+            refs.extend(shapes.windows(2).filter(|pair| pair[0] != pair[1]).map(|pair| pair[1]));
+            *leaf = LeafRange { first: first as u32, count: (refs.len() - first) as u32 };
+        }
+        self.refs = refs;
+    }
+
+    /// Bytes of nodes, leaves and references.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.leaves[..]) + size_of_val(&self.refs[..])
+    }
+
+    pub fn walked(&self) -> Walked<'_, WideNode<N>> {
+        Walked { root: self.root, bounds: &self.bounds, nodes: &self.nodes }
+    }
+}
+
+/// What a ray needs of a tree.
+#[derive(Debug)]
+pub struct Walked<'a, T> {
+    pub root: ChildRef,
+    pub bounds: &'a Aabb,
+    pub nodes: &'a [T],
+}
+
+impl<T> Clone for Walked<'_, T> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for Walked<'_, T> {}
+
+/// A finished tree in any layout, node by node: what measures, checks and draws it asks. Parents come before their children.
+pub trait Nodes: Sync {
+    /// Most children of a node.
+    const WIDTH: usize;
+
+    fn root(&self) -> ChildRef;
+
+    fn bounds(&self) -> Aabb;
+
+    fn inner_count(&self) -> usize;
+
+    fn leaf_count(&self) -> usize;
+
+    fn leaf_range(&self, leaf_idx: u32) -> LeafRange;
+
+    /// Shape indices in leaf order.
+    fn refs(&self) -> &[u32];
+
+    /// What stands in a slot of an inner node, with its box. Filled slots come first.
+    fn slot(&self, node_idx: u32, slot: usize) -> (ChildRef, Aabb);
+
+    /// How much larger than what is below it a child's box may be, an axis each: 0, or what a compressed node's grid makes
+    /// of it.
+    fn box_slack(&self, node_idx: u32) -> Vec3;
+
     /// The id of what a slot points at; `None` for an empty slot.
-    pub fn node_id(&self, child: ChildRef) -> Option<NodeId> {
+    fn node_id(&self, child: ChildRef) -> Option<NodeId> {
         let inner = child.as_inner().map(NodeId);
-        inner.or_else(|| child.as_leaf().map(|leaf_idx| NodeId(self.nodes.len() as u32 + leaf_idx)))
+        inner.or_else(|| child.as_leaf().map(|leaf_idx| NodeId(self.inner_count() as u32 + leaf_idx)))
     }
 
     /// The children of an inner node with their boxes, in slot order.
-    pub fn children(&self, node_idx: u32) -> impl Iterator<Item = (NodeId, Aabb)> + '_ {
-        let node = &self.nodes[node_idx as usize];
-        (0..N).filter_map(move |slot| Some((self.node_id(node.children[slot])?, node.child_bounds(slot))))
+    fn children(&self, node_idx: u32) -> impl Iterator<Item = (NodeId, Aabb)> + '_ {
+        (0..Self::WIDTH).filter_map(move |slot| {
+            let (child, bounds) = self.slot(node_idx, slot);
+            Some((self.node_id(child)?, bounds))
+        })
     }
 
     /// Visits every node once, parents before children, depth first; `visit` answers whether to go on below the node.
     /// The node's children or leaf are looked up by the caller where wanted, so the walk itself allocates nothing a node.
-    pub fn walk_nodes(&self, mut visit: impl FnMut(Visit) -> bool) {
-        let Some(root) = self.node_id(self.root) else { return };
-        let mut open = vec![Visit { id: root, parent: None, depth: 0, bounds: self.bounds }];
+    fn walk_nodes(&self, mut visit: impl FnMut(Visit) -> bool) {
+        let Some(root) = self.node_id(self.root()) else { return };
+        let mut open = vec![Visit { id: root, parent: None, depth: 0, bounds: self.bounds() }];
         while let Some(at) = open.pop() {
-            let inner = (at.id.0 as usize) < self.nodes.len();
+            let inner = (at.id.0 as usize) < self.inner_count();
             if visit(at) && inner {
                 let first = open.len();
                 open.extend(self.children(at.id.0).map(|(id, bounds)| Visit {
@@ -150,6 +228,45 @@ impl<const N: usize> WideBvh<N> {
     }
 }
 
+impl<const N: usize> Nodes for WideBvh<N> {
+    const WIDTH: usize = N;
+
+    fn root(&self) -> ChildRef {
+        self.root
+    }
+
+    fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    fn inner_count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    fn leaf_count(&self) -> usize {
+        self.leaves.len()
+    }
+
+    #[inline]
+    fn leaf_range(&self, leaf_idx: u32) -> LeafRange {
+        self.leaves[leaf_idx as usize]
+    }
+
+    fn refs(&self) -> &[u32] {
+        &self.refs
+    }
+
+    #[inline]
+    fn slot(&self, node_idx: u32, slot: usize) -> (ChildRef, Aabb) {
+        let node = &self.nodes[node_idx as usize];
+        (node.children[slot], node.child_bounds(slot))
+    }
+
+    fn box_slack(&self, _: u32) -> Vec3 {
+        Vec3::ZERO
+    }
+}
+
 /// A node met on a walk, without what lies below it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Visit {
@@ -160,12 +277,13 @@ pub struct Visit {
     pub bounds: Aabb,
 }
 
-/// A finished tree of any width. Immutable once built.
+/// A finished tree of any width and layout. Immutable once built.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Tree {
     W2(WideBvh<2>),
     W4(WideBvh<4>),
     W8(WideBvh<8>),
+    C8(CompressedBvh),
 }
 
 /// Inner nodes come first (`0..inner_count`), then leaves.
@@ -192,7 +310,7 @@ pub struct NodeView<'a> {
     pub kind: NodeKind<'a>,
 }
 
-/// Runs the same expression on the tree of whichever width it is.
+/// Runs the same expression on the tree of whichever width and layout it is.
 #[macro_export]
 macro_rules! each_width {
     ($tree:expr, $t:ident => $body:expr) => {
@@ -200,6 +318,7 @@ macro_rules! each_width {
             $crate::accel::Tree::W2($t) => $body,
             $crate::accel::Tree::W4($t) => $body,
             $crate::accel::Tree::W8($t) => $body,
+            $crate::accel::Tree::C8($t) => $body,
         }
     };
 }
@@ -209,7 +328,14 @@ impl Tree {
         match self {
             Self::W2(_) => Width::W2,
             Self::W4(_) => Width::W4,
-            Self::W8(_) => Width::W8,
+            Self::W8(_) | Self::C8(_) => Width::W8,
+        }
+    }
+
+    pub fn layout(&self) -> Layout {
+        match self {
+            Self::W2(_) | Self::W4(_) | Self::W8(_) => Layout::Full,
+            Self::C8(_) => Layout::Compressed,
         }
     }
 
@@ -218,11 +344,11 @@ impl Tree {
     }
 
     pub fn inner_count(&self) -> usize {
-        each_width!(self, t => t.nodes.len())
+        each_width!(self, t => t.inner_count())
     }
 
     pub fn leaf_count(&self) -> usize {
-        each_width!(self, t => t.leaves.len())
+        each_width!(self, t => t.leaf_count())
     }
 
     /// Inner nodes + leaves.
@@ -235,13 +361,24 @@ impl Tree {
         each_width!(self, t => &t.refs)
     }
 
-    pub fn leaves(&self) -> &[LeafRange] {
-        each_width!(self, t => &t.leaves)
+    /// The references of a leaf, a range of [`Tree::refs`].
+    pub fn leaf_range(&self, leaf_idx: u32) -> LeafRange {
+        each_width!(self, t => t.leaf_range(leaf_idx))
+    }
+
+    /// Those of all leaves.
+    pub fn leaf_ranges(&self) -> Cow<'_, [LeafRange]> {
+        match self {
+            Self::W2(t) => Cow::Borrowed(&t.leaves),
+            Self::W4(t) => Cow::Borrowed(&t.leaves),
+            Self::W8(t) => Cow::Borrowed(&t.leaves),
+            Self::C8(t) => (0..t.leaf_count() as u32).map(|leaf_idx| t.leaf_range(leaf_idx)).collect(),
+        }
     }
 
     /// Bytes of nodes, leaves and references (not of the shapes).
     pub fn bytes(&self) -> usize {
-        each_width!(self, t => size_of_val(&t.nodes[..]) + size_of_val(&t.leaves[..]) + size_of_val(&t.refs[..]))
+        each_width!(self, t => t.bytes())
     }
 
     /// Of the deepest leaf; `None` for an empty tree.
@@ -256,7 +393,7 @@ impl Tree {
 
     /// The shapes of a leaf.
     pub fn leaf_shapes(&self, leaf_idx: u32) -> &[u32] {
-        let leaf = self.leaves()[leaf_idx as usize];
+        let leaf = self.leaf_range(leaf_idx);
         &self.refs()[leaf.first as usize..(leaf.first + leaf.count) as usize]
     }
 

@@ -1,10 +1,12 @@
 //! Checks a tree against the boxes it was built over.
 
+use glam::Vec3;
+
 use crate::each_width;
 use crate::geometry::Aabb;
 
 use super::config::BuildConfig;
-use super::tree::{ChildRef, NodeId, Tree, WideBvh};
+use super::tree::{ChildRef, NodeId, Nodes, Tree};
 
 /// One way in which a tree is wrong.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -45,7 +47,7 @@ pub fn validate(tree: &Tree, boxes: &[Aabb]) -> Vec<Violation> {
 /// How many leaves refer to each shape: spatial splits make several, each with a part of it.
 fn check_shapes(tree: &Tree, shape_count: usize, found: &mut Vec<Violation>) -> Vec<usize> {
     let mut counts = vec![0_usize; shape_count];
-    for (leaf_idx, leaf) in tree.leaves().iter().enumerate() {
+    for (leaf_idx, leaf) in tree.leaf_ranges().iter().enumerate() {
         let range = leaf.first as usize..leaf.first as usize + leaf.count as usize;
         let shapes = tree.refs().get(range).filter(|shapes| !shapes.is_empty());
         let known = shapes.filter(|shapes| shapes.iter().all(|&s| (s as usize) < shape_count));
@@ -73,20 +75,17 @@ struct Claim {
     child: ChildRef,
     bounds: Aabb,
     depth: u32,
+    /// How much larger the box may be than what is below it.
+    slack: Vec3,
 }
 
-fn check_nodes<const N: usize>(
-    bvh: &WideBvh<N>,
-    boxes: &[Aabb],
-    counts: &[usize],
-    found: &mut Vec<Violation>,
-) {
+fn check_nodes<T: Nodes>(bvh: &T, boxes: &[Aabb], counts: &[usize], found: &mut Vec<Violation>) {
     // What the leaves hold of the shapes that are in several.
     let mut covered = vec![Aabb::EMPTY; if counts.iter().any(|&c| c > 1) { boxes.len() } else { 0 }];
-    let inner_count = bvh.nodes.len();
-    let mut seen = vec![false; inner_count + bvh.leaves.len()];
-    let mut open = vec![Claim { child: bvh.root, bounds: bvh.bounds, depth: 0 }];
-    while let Some(Claim { child, bounds, depth }) = open.pop() {
+    let inner_count = bvh.inner_count();
+    let mut seen = vec![false; inner_count + bvh.leaf_count()];
+    let mut open = vec![Claim { child: bvh.root(), bounds: bvh.bounds(), depth: 0, slack: Vec3::ZERO }];
+    while let Some(Claim { child, bounds, depth, slack }) = open.pop() {
         let Some(node) = bvh.node_id(child) else { continue };
         match seen.get_mut(node.0 as usize) {
             Some(seen) if !*seen => *seen = true,
@@ -117,19 +116,17 @@ fn check_nodes<const N: usize>(
                 if in_parts && bounds.contains(&content) { bounds } else { content }
             }
             None => {
-                let slots = 0..N;
-                let wide = &bvh.nodes[node.0 as usize];
-                open.extend(slots.map(|slot| Claim {
-                    child: wide.children[slot],
-                    bounds: wide.child_bounds(slot),
-                    depth: depth + 1,
+                let slack = bvh.box_slack(node.0);
+                open.extend((0..T::WIDTH).map(|slot| {
+                    let (child, bounds) = bvh.slot(node.0, slot);
+                    Claim { child, bounds, depth: depth + 1, slack }
                 }));
                 bvh.children(node.0).fold(Aabb::EMPTY, |all, (_, b)| all.union(b))
             }
         };
         if !bounds.contains(&content) {
             found.push(Violation::NotContained { node });
-        } else if bounds != content {
+        } else if !is_tight(&bounds, &content, slack) {
             found.push(Violation::NotTight { node });
         }
     }
@@ -140,10 +137,16 @@ fn check_nodes<const N: usize>(
     found.extend(lost.map(|(id, _)| Violation::Unreachable { node: NodeId(id as u32) }));
 }
 
-fn leaf_shapes<const N: usize>(bvh: &WideBvh<N>, leaf_idx: u32) -> &[u32] {
-    let leaf = bvh.leaves[leaf_idx as usize];
+/// Of a box that contains its content.
+fn is_tight(bounds: &Aabb, content: &Aabb, slack: Vec3) -> bool {
+    let beyond = (content.min - bounds.min).max(bounds.max - content.max);
+    bounds == content || beyond.cmple(slack).all()
+}
+
+fn leaf_shapes<T: Nodes>(bvh: &T, leaf_idx: u32) -> &[u32] {
+    let leaf = bvh.leaf_range(leaf_idx);
     let range = leaf.first as usize..leaf.first as usize + leaf.count as usize;
-    bvh.refs.get(range).unwrap_or_default()
+    bvh.refs().get(range).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -151,7 +154,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::accel::{BuildConfig, Width, build};
+    use crate::accel::{BuildConfig, WideBvh, Width, build};
     use crate::task::Task;
 
     fn boxes() -> Vec<Aabb> {

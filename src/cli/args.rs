@@ -154,7 +154,8 @@ fn apply_flags(session: &mut Session, matches: &ArgMatches) -> Result<(), CliErr
             flag.read(session, text).map_err(|error| usage(ErrorKind::ValueValidation, error.to_string()))?;
         }
     }
-    Ok(())
+    // What goes together, and what does not.
+    session.build().check().map_err(|error| usage(ErrorKind::ArgumentConflict, error))
 }
 
 /// An error in what was typed: exit code 2.

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::workshop::Workshop;
 use super::{CliError, args, output};
-use crate::accel::{BuildPhase, Builder, Width};
+use crate::accel::{BuildConfig, BuildPhase, Builder, Layout, Width};
 use crate::export::table::{self, TableFormat};
 use crate::export::{atomic, ray_file};
 use crate::render::RenderSettings;
@@ -139,6 +139,9 @@ fn every_tree(session: &Session) -> Vec<Session> {
         let mut session = session.clone();
         let build = session.build_mut();
         (build.builder, build.width) = (builder, width);
+        if !BuildConfig::NODES.contains(&(width, build.layout)) {
+            build.layout = Layout::Full;
+        }
         session
     };
     trees.map(with).collect()
@@ -255,6 +258,8 @@ struct TreeSettings<'a> {
     radius: usize,
     split_alpha: f32,
     split_budget: f32,
+    pre_split: f32,
+    layout: &'static str,
     improver: &'a str,
     rounds: usize,
     share: f32,
@@ -283,6 +288,8 @@ impl<'a> TreeSettings<'a> {
             radius: build.radius,
             split_alpha: build.split_alpha,
             split_budget: build.split_budget,
+            pre_split: build.pre_split,
+            layout: build.layout.name(),
             improver: build.improver.name(),
             rounds: build.rounds,
             share: build.share,

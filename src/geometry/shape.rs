@@ -194,6 +194,18 @@ impl Shape {
         }
     }
 
+    /// What the surface areas of the boxes of its parts add up to when a flat shape is cut ever finer: twice the areas of its
+    /// shadows along the axes (Karras and Aila 2013). The area of its own box for bodies, whose surfaces would have to be
+    /// boxed on all sides.
+    pub fn area_in_parts(&self) -> f32 {
+        let shadows = |u: Vec3, v: Vec3| u.cross(v).abs().element_sum();
+        match self {
+            Self::Triangle(Triangle { v: [a, b, c] }) => shadows(*b - *a, *c - *a),
+            Self::Quad(quad) => 2.0 * shadows(quad.edge_u, quad.edge_v),
+            Self::Sphere(_) | Self::Cuboid(_) | Self::Torus(_) => self.bounds().area(),
+        }
+    }
+
     /// The area of the part inside `clip`: exact for triangles, quads and cuboids, estimated on
     /// a fixed set of points for the others.
     pub fn area_inside(&self, clip: &Aabb) -> f32 {

@@ -200,6 +200,13 @@ pub static COLUMNS: &[Column] = &[
     text("improver", "improver", "what made a better tree of the one that was built", |s| {
         s.config.improver.name().into()
     }),
+    text("layout", "layout", "how nodes lie in memory", |s| s.config.layout.name().into()),
+    real(
+        "pre_split",
+        "pre-split",
+        "references that cutting before the build may add, as a share of the shapes",
+        |s| f64::from(s.config.pre_split).into(),
+    ),
     real("traversal_cost", "C_t", "price of visiting a node", |s| f64::from(s.config.traversal_cost).into()),
     real("intersection_cost", "C_i", "price of testing a shape", |s| {
         f64::from(s.config.intersection_cost).into()
@@ -265,7 +272,10 @@ impl Column {
     /// Whether it holds words, not numbers: set flush left.
     pub fn is_text(&self) -> bool {
         self.better == Better::Neither
-            && matches!(self.key, "scene" | "name" | "builder" | "widen" | "stop" | "improver" | "count")
+            && matches!(
+                self.key,
+                "scene" | "name" | "builder" | "widen" | "stop" | "improver" | "layout" | "count"
+            )
     }
 
     /// The title with the unit, as in `build (ms)`.
@@ -469,6 +479,8 @@ mod tests {
                 "stop",
                 "block",
                 "improver",
+                "layout",
+                "pre_split",
                 "traversal_cost",
                 "intersection_cost",
                 "count"

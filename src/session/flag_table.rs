@@ -7,7 +7,7 @@ use super::values::{
     read_int, read_named, read_optional, read_size, read_span, read_switch, span_text, switch_text,
 };
 use crate::accel::simd::SimdLevel;
-use crate::accel::{Block, BuildConfig, Builder, Improver, Morton, StopRule, Widen, Width};
+use crate::accel::{Block, BuildConfig, Builder, Improver, Layout, Morton, StopRule, Widen, Width};
 use crate::render::{BoxStyle, ColorMap, CountKind, ToneMap, View};
 use crate::scene::{ShadowRule, UpAxis};
 use crate::world::NodeFigure;
@@ -34,6 +34,15 @@ pub(super) static FLAGS: &[Flag] = &[
         choices: choices::<Width>,
         set: |s, text| read_named(text).map(|v| s.build_mut().width = v),
         get: |s| s.build().width.name().to_owned(),
+    },
+    Flag {
+        name: "layout",
+        value_name: Some("NAME"),
+        group: FlagGroup::Tree,
+        help: "How nodes lie in memory",
+        choices: choices::<Layout>,
+        set: |s, text| read_named(text).map(|v| s.build_mut().layout = v),
+        get: |s| s.build().layout.name().to_owned(),
     },
     Flag {
         name: "widen",
@@ -101,10 +110,19 @@ pub(super) static FLAGS: &[Flag] = &[
         get: |s| float_text(s.build().split_budget),
     },
     Flag {
+        name: "pre-split",
+        value_name: Some("X"),
+        group: FlagGroup::Tree,
+        help: "Cut large shapes before the build: most references that this may add, as a share of the shapes; up to 4",
+        choices: no_choices,
+        set: |s, text| read_float(text, 0.0..=BuildConfig::MAX_BUDGET).map(|v| s.build_mut().pre_split = v),
+        get: |s| float_text(s.build().pre_split),
+    },
+    Flag {
         name: "leaf",
         value_name: Some("N"),
         group: FlagGroup::Tree,
-        help: "Most shapes in a leaf, 1 to 64",
+        help: "Most shapes in a leaf, 1 to 64; at most 3 in the layout compressed",
         choices: no_choices,
         set: |s, text| read_int(text, BuildConfig::LEAF).map(|v| s.build_mut().leaf = v),
         get: |s| s.build().leaf.to_string(),

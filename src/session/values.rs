@@ -9,7 +9,7 @@ use std::str::FromStr;
 use glam::Vec3;
 
 use crate::accel::simd::SimdLevel;
-use crate::accel::{Block, Builder, Improver, Morton, StopRule, Widen, Width};
+use crate::accel::{Block, Builder, Improver, Layout, Morton, StopRule, Widen, Width};
 use crate::render::{BoxStyle, ColorMap, CountKind, ToneMap, View};
 use crate::scene::{Camera, ShadowRule, UpAxis};
 use crate::world::NodeFigure;
@@ -50,6 +50,7 @@ macro_rules! named {
 named! {
     Builder: Self::description;
     Width: |_| "";
+    Layout: Self::description;
     Block: Self::description;
     Improver: Self::description;
     Morton: Self::description;

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 
 use super::World;
-use crate::accel::tree::Visit;
+use crate::accel::tree::{Nodes as _, Visit};
 use crate::accel::{NodeId, Tree};
 use crate::each_width;
 use crate::geometry::{Aabb, Polygon, Shape};
@@ -98,7 +98,7 @@ fn measure(world: &World, task: &Task) -> Result<Option<Epo>, Cancelled> {
     let costs = sums.into_iter().enumerate().map(|(id, sum)| {
         let cost = match tree.leaf_index(NodeId(id as u32)) {
             Some(leaf_idx) => {
-                f64::from(config.intersection_cost) * f64::from(tree.leaves()[leaf_idx as usize].count)
+                f64::from(config.intersection_cost) * f64::from(tree.leaf_range(leaf_idx).count)
             }
             None => f64::from(config.traversal_cost),
         };

@@ -201,6 +201,14 @@ impl Shapes for BoundedShapes<'_> {
             Shape::Sphere(_) | Shape::Cuboid(_) | Shape::Quad(_) | Shape::Torus(_) => None,
         }
     }
+
+    fn bounds_inside(&self, shape: u32, clip: &Aabb) -> Aabb {
+        self.0.shape(shape).clipped_bounds(clip)
+    }
+
+    fn area_in_parts(&self, shape: u32) -> f32 {
+        self.0.shape(shape).area_in_parts()
+    }
 }
 
 fn elapsed_ms(start: Instant) -> f64 {

@@ -101,7 +101,8 @@ impl PrimStore {
     pub fn new(scene: &Scene, tree: &Tree, task: &Task) -> Result<Self, Cancelled> {
         // Of pages that are first touched where they are filled.
         let mut store = Self { blocks: bytemuck::zeroed_vec(tree.leaf_count()), ..Self::default() };
-        let leaves = tree.leaves().par_chunks(LEAVES_A_PIECE);
+        let leaves = tree.leaf_ranges();
+        let leaves = leaves.par_chunks(LEAVES_A_PIECE);
         let pieces = store.blocks.par_chunks_mut(LEAVES_A_PIECE).zip(leaves).map(|(blocks, leaves)| {
             task.check()?;
             Ok(Self::pack(scene, tree.refs(), leaves, blocks))

@@ -12,6 +12,7 @@ mod order;
 #[cfg(feature = "peers")]
 mod peers;
 mod ploc;
+mod presplit;
 mod random;
 mod segment;
 mod spatial;
@@ -26,7 +27,8 @@ use crate::geometry::Aabb;
 use crate::task::{Cancelled, Task};
 
 use super::bvh2::Bvh2;
-use super::config::{BuildConfig, Builder, Improver, StopRule, Width};
+use super::compressed::CompressedBvh;
+use super::config::{BuildConfig, Builder, Improver, Layout, StopRule, Width};
 use super::optimize::improve;
 use super::tree::{Tree, WideBvh};
 use super::widen::widen;
@@ -38,8 +40,9 @@ pub use binned::bin_index;
 /// A stage of a build, with its wall time.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct BuildPhase {
-    /// `prepare` (compute, and sort, the boxes), `split` (find and make all splits), `layout` (what was built side by side put
-    /// together in depth-first order), `improve` (all rounds of the improver), `widen` (make wide nodes of a binary tree).
+    /// `prepare` (compute, and sort, the boxes), `presplit` (cut large shapes), `split` (find and make all splits), `layout` (what was built side by side put
+    /// together in depth-first order), `improve` (all rounds of the improver), `widen` (make wide nodes of a binary tree), `compress` (make
+    /// them small).
     pub name: &'static str,
     pub ms: f64,
 }
@@ -68,9 +71,14 @@ impl PhaseClock {
         Self { last: Instant::now(), phases: Vec::new() }
     }
 
+    /// Ends a phase, or another part of it.
     fn finish(&mut self, name: &'static str) {
         let now = Instant::now();
-        self.phases.push(BuildPhase { name, ms: (now - self.last).as_secs_f64() * 1e3 });
+        let ms = (now - self.last).as_secs_f64() * 1e3;
+        match self.phases.iter_mut().find(|phase| phase.name == name) {
+            Some(phase) => phase.ms += ms,
+            None => self.phases.push(BuildPhase { name, ms }),
+        }
         self.last = now;
     }
 }
@@ -89,6 +97,13 @@ pub trait Shapes: Sync {
     fn corners(&self, _shape: u32) -> Option<[Vec3; 3]> {
         None
     }
+    /// The box around the part of a shape inside `clip`; empty if there is none. What parts touch together is what the
+    /// whole touches: their boxes reach all sides of the shape's own.
+    fn bounds_inside(&self, shape: u32, clip: &Aabb) -> Aabb;
+
+    /// What the surface areas of the boxes of a shape's parts add up to when it is cut ever finer; the area of its own box
+    /// for what is never to be cut in advance.
+    fn area_in_parts(&self, shape: u32) -> f32;
 }
 
 /// Boxes that are shapes themselves.
@@ -106,6 +121,15 @@ impl Shapes for [Aabb] {
         part.min[axis] = part.min[axis].max(from);
         part.max[axis] = part.max[axis].min(to);
         part
+    }
+
+    fn bounds_inside(&self, shape: u32, clip: &Aabb) -> Aabb {
+        self[shape as usize].intersection(*clip)
+    }
+
+    /// A box is full: cutting it gains nothing.
+    fn area_in_parts(&self, shape: u32) -> f32 {
+        self[shape as usize].area()
     }
 }
 
@@ -133,10 +157,16 @@ pub fn build_over<B: Shapes + ?Sized>(
     task: &Task,
 ) -> Result<(Tree, BuildReport), Cancelled> {
     config.check().expect("a build configuration is checked where it is given");
+    let asked = config;
+    let config = &BuildConfig { leaf: config.leaf_limit(), ..*config };
     let mut clock = PhaseClock::start();
-    let count = shapes.count();
-    let bounds = |shape| shapes.bounds(shape);
-    task.start(count as u64);
+    let mut refs = order::build_refs(shapes.count(), |shape| shapes.bounds(shape), task)?;
+    if config.pre_split > 0.0 {
+        clock.finish("prepare");
+        refs = presplit::presplit(refs, shapes, config.pre_split, task)?;
+        clock.finish("presplit");
+    }
+    task.start(refs.len() as u64);
     // What looks at a finished binary tree gets one with the leaves that it asks for.
     let from_binary = config.is_optimal() || config.improver != Improver::None;
     let binary_config = match config.is_optimal() {
@@ -144,11 +174,10 @@ pub fn build_over<B: Shapes + ?Sized>(
         false => *config,
     };
     let input = match config.builder {
-        Builder::Median | Builder::Binned | Builder::Midpoint | Builder::Random => {
-            Input::Refs(order::build_refs(count, bounds, task)?)
+        Builder::Median | Builder::Sweep | Builder::Binned | Builder::Midpoint | Builder::Random => {
+            Input::Refs(refs)
         }
         Builder::Lbvh | Builder::Ploc => {
-            let refs = order::build_refs(count, bounds, task)?;
             clock.finish("prepare");
             let bvh = match config.builder {
                 Builder::Lbvh => lbvh::build(&refs, config, task)?,
@@ -160,9 +189,8 @@ pub fn build_over<B: Shapes + ?Sized>(
         }
         #[cfg(feature = "peers")]
         builder if builder.is_peer() => {
-            let boxes: Vec<Aabb> = (0..count as u32).map(bounds).collect();
             clock.finish("prepare");
-            let bvh = peers::build(shapes, &boxes, config, task)?;
+            let bvh = peers::build(shapes, &refs, config, task)?;
             clock.finish("split");
             Input::Binary(bvh)
         }
@@ -171,9 +199,7 @@ pub fn build_over<B: Shapes + ?Sized>(
         | Builder::ObvhsVerySlow
         | Builder::Bvh
         | Builder::Parry3d => unreachable!("the configuration was checked"),
-        Builder::Sweep => Input::Boxes((0..count as u32).map(bounds).collect()),
         Builder::Spatial => {
-            let refs = order::build_refs(count, bounds, task)?;
             clock.finish("prepare");
             let bvh = spatial::build(refs, shapes, &binary_config, task)?;
             clock.finish("split");
@@ -181,7 +207,7 @@ pub fn build_over<B: Shapes + ?Sized>(
         }
     };
     let input = match input {
-        Input::Refs(_) | Input::Boxes(_) if from_binary => {
+        Input::Refs(_) if from_binary => {
             let tree = top_down::<2>(input, &binary_config, task, &mut clock)?;
             Input::Binary(Bvh2::from_wide(&tree))
         }
@@ -194,15 +220,23 @@ pub fn build_over<B: Shapes + ?Sized>(
         Width::W8 => Tree::W8(steps.finish(input)?),
     };
     let rounds = steps.rounds;
+    let tree = match tree {
+        Tree::W8(tree) if config.layout == Layout::Compressed => {
+            task.check()?;
+            let tree = CompressedBvh::new(&tree);
+            clock.finish("compress");
+            Tree::C8(tree)
+        }
+        tree => tree,
+    };
     let build_ms = clock.phases.iter().map(|p| p.ms).sum();
     let threads = rayon::current_num_threads();
-    Ok((tree, BuildReport { config: *config, phases: clock.phases, rounds, build_ms, threads }))
+    Ok((tree, BuildReport { config: *asked, phases: clock.phases, rounds, build_ms, threads }))
 }
 
-/// The boxes in the form that a builder works on.
+/// What the last steps of a build begin with.
 enum Input {
     Refs(Vec<order::BuildRef>),
-    Boxes(Vec<Aabb>),
     /// A finished binary tree, still to be improved and widened.
     Binary(Bvh2),
 }
@@ -220,7 +254,7 @@ impl Steps<'_> {
     /// The tree itself.
     fn finish<const N: usize>(&mut self, input: Input) -> Result<WideBvh<N>, Cancelled> {
         let Self { config, task, .. } = *self;
-        match input {
+        let mut tree = match input {
             Input::Binary(mut bvh) => {
                 if config.improver != Improver::None {
                     self.rounds = improve(&mut bvh, config, task)?;
@@ -228,10 +262,15 @@ impl Steps<'_> {
                 }
                 let tree = widen(&bvh, config, task)?;
                 self.clock.finish("widen");
-                Ok(tree)
+                tree
             }
-            input => top_down(input, config, task, self.clock),
+            input => top_down(input, config, task, self.clock)?,
+        };
+        if config.pre_split > 0.0 {
+            tree.merge_parts();
+            self.clock.finish("presplit");
         }
+        Ok(tree)
     }
 }
 
@@ -243,12 +282,12 @@ fn top_down<const N: usize>(
     clock: &mut PhaseClock,
 ) -> Result<WideBvh<N>, Cancelled> {
     match input {
-        Input::Boxes(boxes) => {
-            let mut arrays = sweep::SweepArrays::sorted(&boxes);
+        Input::Refs(refs) if config.builder == Builder::Sweep => {
+            let mut arrays = sweep::SweepArrays::sorted(&refs);
             task.check()?;
             clock.finish("prepare");
             let splitter = sweep::Sweep(bound::BlockCount::new(config.block));
-            top_down::build(arrays.order(&boxes), &splitter, config, task, clock)
+            top_down::build(arrays.order(&refs), &splitter, config, task, clock)
         }
         Input::Refs(mut refs) => {
             clock.finish("prepare");

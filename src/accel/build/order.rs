@@ -54,7 +54,8 @@ impl BuildRef {
         self.bound.spare().to_bits() - SHAPE_BIAS
     }
 
-    fn center_on(&self, axis: usize) -> f32 {
+    #[inline]
+    pub fn center_on(&self, axis: usize) -> f32 {
         self.bound.aabb().center()[axis]
     }
 }
@@ -84,7 +85,7 @@ pub fn build_refs(
 /// # Panics
 /// If the box is empty or not finite: loaders remove such shapes.
 #[inline]
-pub fn check_box(bounds: &Aabb, shape: usize) {
+fn check_box(bounds: &Aabb, shape: usize) {
     assert!(bounds.is_finite() && !bounds.is_empty(), "shape {shape} has no finite box: {bounds:?}");
 }
 

@@ -10,11 +10,12 @@ use obvhs::bvh2::builder::{build_bvh2, build_bvh2_from_tris};
 use parry3d::partitioning::{Bvh as ParryBvh, BvhBuildStrategy, BvhNode as ParryNode, TraversalAction};
 
 use crate::accel::bvh2::{Bvh2, Bvh2Node};
-use crate::accel::config::{BuildConfig, Builder};
+use crate::accel::config::{BuildConfig, Builder, Layout};
 use crate::geometry::Aabb;
 use crate::task::{Cancelled, Task};
 
 use super::Shapes;
+use super::order::BuildRef;
 
 /// By how much of its largest coordinate a leaf that holds parts of shapes is widened, against the rounding of its library's
 /// cuts.
@@ -38,22 +39,40 @@ enum Below<T> {
 /// [`Cancelled`] when the task was: a library's build ends first.
 pub fn build<B: Shapes + ?Sized>(
     shapes: &B,
-    boxes: &[Aabb],
+    refs: &[BuildRef],
     config: &BuildConfig,
     task: &Task,
 ) -> Result<Bvh2, Cancelled> {
     task.check()?;
-    let mut bvh = match (boxes, config.builder) {
+    let boxes: Vec<Aabb> = refs.iter().map(|r| r.bound.aabb()).collect();
+    // Libraries that cut triangles themselves get whole ones.
+    let corners = |shape| shapes.corners(shape).filter(|_| config.pre_split == 0.0);
+    let triangles: Option<Vec<_>> = (0..shapes.count() as u32).map(corners).collect();
+    let mut bvh = match (&boxes[..], config.builder) {
         ([], _) => Bvh2::default(),
         // Not every library knows a tree of one leaf.
         ([bounds], _) => copy((), |()| Given { bounds: *bounds, below: Below::Shapes(vec![0]) }),
-        (_, Builder::Bvh) => of_bvh(boxes),
-        (_, Builder::Parry3d) => of_parry(boxes),
-        (_, builder) => of_obvhs(shapes, boxes, builder),
+        (_, Builder::Bvh) => of_bvh(&boxes),
+        (_, Builder::Parry3d) => of_parry(&boxes),
+        _ => of_obvhs(triangles.as_deref(), &boxes, config),
     };
     task.check()?;
+    name_shapes(&mut bvh, refs);
     bvh.limit_depth(BuildConfig::MAX_DEPTH);
     Ok(bvh)
+}
+
+/// Puts shapes in the place of references. Parts of a shape that lie in one leaf become one.
+fn name_shapes(bvh: &mut Bvh2, refs: &[BuildRef]) {
+    let mut named = Vec::with_capacity(bvh.refs.len());
+    for leaf in bvh.nodes.iter_mut().filter(|node| node.is_leaf()) {
+        let mut shapes: Vec<u32> = bvh.refs[leaf.range()].iter().map(|&i| refs[i as usize].shape()).collect();
+        shapes.sort_unstable();
+        shapes.dedup();
+        (leaf.first, leaf.count) = (named.len() as u32, shapes.len() as u32);
+        named.append(&mut shapes);
+    }
+    bvh.refs = named;
 }
 
 /// Copies a tree from the root on, in depth-first order. `look_at` tells what a node holds.
@@ -85,22 +104,25 @@ fn copy<T>(root: T, mut look_at: impl FnMut(T) -> Given<T>) -> Bvh2 {
 
 // ---- obvhs
 
-fn of_obvhs<B: Shapes + ?Sized>(shapes: &B, boxes: &[Aabb], builder: Builder) -> Bvh2 {
-    let params = match builder {
+fn of_obvhs(triangles: Option<&[[Vec3; 3]]>, boxes: &[Aabb], config: &BuildConfig) -> Bvh2 {
+    let mut params = match config.builder {
         Builder::ObvhsFast => BvhBuildParams::fast_build(),
         Builder::ObvhsMedium => BvhBuildParams::medium_build(),
         _ => BvhBuildParams::very_slow_build(),
     };
-    let count = boxes.len() as u32;
-    let corners = |shape| {
-        let [v0, v1, v2] = shapes.corners(shape)?.map(Vec3A::from);
-        Some(obvhs::triangle::Triangle { v0, v1, v2 })
-    };
-    let triangles: Option<Vec<_>> = (0..count).map(corners).collect();
+    if config.layout == Layout::Compressed {
+        params.max_prims_per_leaf = params.max_prims_per_leaf.min(config.leaf as u32);
+    }
     let ignored = &mut Duration::default();
     // It cuts triangles only, and only if there is nothing else.
-    let tree = match &triangles {
-        Some(triangles) => build_bvh2_from_tris(triangles, params, ignored),
+    let tree = match triangles {
+        Some(triangles) => {
+            let triangle = |v: &[Vec3; 3]| {
+                let [v0, v1, v2] = v.map(Vec3A::from);
+                obvhs::triangle::Triangle { v0, v1, v2 }
+            };
+            build_bvh2_from_tris(&triangles.iter().map(triangle).collect::<Vec<_>>(), params, ignored)
+        }
         None => {
             let boxes: Vec<_> = boxes
                 .iter()
@@ -238,6 +260,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg32;
 
+    use super::super::order::build_refs;
     use super::*;
     use crate::accel::quality::binary_sah_cost;
     use crate::accel::{Widen, Width, build_over, validate::validate};
@@ -255,6 +278,15 @@ mod tests {
 
         fn bounds_between(&self, shape: u32, axis: usize, from: f32, to: f32) -> Aabb {
             crate::geometry::Triangle { v: self.0[shape as usize] }.bounds_between(axis, from, to)
+        }
+
+        fn bounds_inside(&self, shape: u32, clip: &Aabb) -> Aabb {
+            crate::geometry::Triangle { v: self.0[shape as usize] }.clipped_bounds(clip)
+        }
+
+        fn area_in_parts(&self, shape: u32) -> f32 {
+            let triangle = crate::geometry::Triangle { v: self.0[shape as usize] };
+            crate::geometry::Shape::Triangle(triangle).area_in_parts()
         }
 
         fn corners(&self, shape: u32) -> Option<[Vec3; 3]> {
@@ -285,13 +317,14 @@ mod tests {
             for count in [0, 1, 2, 3, 700] {
                 let shapes = triangles(count);
                 let boxes: Vec<_> = (0..count as u32).map(|i| shapes.bounds(i)).collect();
-                for (width, widen) in [
-                    (Width::W2, Widen::Split),
-                    (Width::W4, Widen::Collapse),
-                    (Width::W8, Widen::Split),
-                    (Width::W8, Widen::Optimal),
+                for (width, widen, layout, pre_split) in [
+                    (Width::W2, Widen::Split, Layout::Full, 0.0),
+                    (Width::W4, Widen::Collapse, Layout::Full, 0.3),
+                    (Width::W8, Widen::Split, Layout::Compressed, 0.0),
+                    (Width::W8, Widen::Optimal, Layout::Full, 0.0),
                 ] {
-                    let config = BuildConfig { builder, width, widen, ..BuildConfig::default() };
+                    let config =
+                        BuildConfig { builder, width, widen, layout, pre_split, ..BuildConfig::default() };
                     let (tree, _) = build_over(&shapes, &config, &Task::new()).expect("nobody cancels");
                     assert_eq!(validate(&tree, &boxes), [], "{config:?}, {count}");
                     let (tree, _) =
@@ -307,7 +340,8 @@ mod tests {
         let shapes = triangles(500);
         let boxes: Vec<_> = (0..500).map(|i| shapes.bounds(i)).collect();
         let config = BuildConfig { builder: Builder::ObvhsMedium, ..BuildConfig::default() };
-        let ours = build(&shapes, &boxes, &config, &Task::new()).expect("nobody cancels");
+        let refs = build_refs(boxes.len(), |i| boxes[i as usize], &Task::new()).expect("nobody cancels");
+        let ours = build(&shapes, &refs, &config, &Task::new()).expect("nobody cancels");
         let triangle =
             |v: &[Vec3; 3]| obvhs::triangle::Triangle { v0: v[0].into(), v1: v[1].into(), v2: v[2].into() };
         let theirs: Vec<_> = shapes.0.iter().map(triangle).collect();

@@ -95,7 +95,7 @@ pub fn build<B: Shapes + ?Sized>(
         blocks: BlockCount::new(config.block),
         overlap_min: bounds.half_area() * config.split_alpha,
     };
-    let budget = (refs.len() as f64 * f64::from(config.split_budget)) as usize;
+    let budget = (shapes.count() as f64 * f64::from(config.split_budget)) as usize;
     let progress = refs.len() as u64;
     let root = context.grow(Member { count: refs.len(), refs, bounds, depth: 0, budget, progress })?;
     bvh.nodes.push(Bvh2Node { bounds: Aabb::EMPTY, first: 0, count: 0 });

@@ -8,36 +8,30 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use crate::geometry::Aabb;
-
 use super::bound::{BlockCount, Bound};
-use super::order::{Order, PARALLEL_MIN, check_box};
+use super::order::{BuildRef, Order, PARALLEL_MIN};
 use super::top_down::{Split, Splitter};
 
 /// The arrays that all nodes of a build share in slices.
 pub struct SweepArrays {
-    /// Shape indices sorted by centroid, an axis each.
+    /// Numbers of references sorted by centroid, an axis each.
     sorted: [Vec<u32>; 3],
     /// Right sides' half areas while a node is swept, then the far side while it is partitioned.
     areas: Vec<f32>,
     moved: Vec<u32>,
-    /// By shape: whether it goes to the left.
+    /// By reference: whether it goes to the left.
     goes_left: Vec<AtomicBool>,
 }
 
 impl SweepArrays {
-    /// Sorts by centroid along each axis; ties by shape index.
-    ///
-    /// # Panics
-    /// If a box is empty or not finite.
-    pub fn sorted(boxes: &[Aabb]) -> Self {
-        boxes.iter().enumerate().for_each(|(shape, bounds)| check_box(bounds, shape));
+    /// Sorts by centroid along each axis; ties by the number of the reference.
+    pub fn sorted(refs: &[BuildRef]) -> Self {
         let sort = |axis: usize| {
-            let mut keys: Vec<u64> = boxes
+            let mut keys: Vec<u64> = refs
                 .par_iter()
                 .with_min_len(PARALLEL_MIN)
                 .enumerate()
-                .map(|(shape, b)| (u64::from(sortable(b.center()[axis])) << 32) | shape as u64)
+                .map(|(i, r)| (u64::from(sortable(r.center_on(axis))) << 32) | i as u64)
                 .collect();
             if keys.len() < PARALLEL_MIN {
                 keys.sort_unstable();
@@ -48,15 +42,15 @@ impl SweepArrays {
         };
         Self {
             sorted: [sort(0), sort(1), sort(2)],
-            areas: vec![0.0; boxes.len()],
-            moved: vec![0; boxes.len()],
-            goes_left: std::iter::repeat_with(|| AtomicBool::new(false)).take(boxes.len()).collect(),
+            areas: vec![0.0; refs.len()],
+            moved: vec![0; refs.len()],
+            goes_left: std::iter::repeat_with(|| AtomicBool::new(false)).take(refs.len()).collect(),
         }
     }
 
-    pub fn order<'a>(&'a mut self, boxes: &'a [Aabb]) -> SweepOrder<'a> {
+    pub fn order<'a>(&'a mut self, refs: &'a [BuildRef]) -> SweepOrder<'a> {
         SweepOrder {
-            boxes,
+            refs,
             sorted: self.sorted.each_mut().map(|axis| &mut axis[..]),
             areas: &mut self.areas,
             moved: &mut self.moved,
@@ -74,7 +68,7 @@ fn sortable(value: f32) -> u32 {
 
 /// One node's references in three sorted orders.
 pub struct SweepOrder<'a> {
-    boxes: &'a [Aabb],
+    refs: &'a [BuildRef],
     sorted: [&'a mut [u32]; 3],
     areas: &'a mut [f32],
     moved: &'a mut [u32],
@@ -86,15 +80,15 @@ impl SweepOrder<'_> {
     fn sweep_axis(&mut self, axis: usize, blocks: BlockCount) -> (f32, usize) {
         let sorted = &*self.sorted[axis];
         let count = sorted.len();
-        let mut right = Aabb::EMPTY;
+        let mut right = Bound::EMPTY;
         for i in (1..count).rev() {
-            right = right.union(self.boxes[sorted[i] as usize]);
+            right = right.union(self.refs[sorted[i] as usize].bound);
             self.areas[i] = right.half_area();
         }
-        let mut left = Aabb::EMPTY;
+        let mut left = Bound::EMPTY;
         let mut best = (f32::INFINITY, 0);
         for i in 1..count {
-            left = left.union(self.boxes[sorted[i - 1] as usize]);
+            left = left.union(self.refs[sorted[i - 1] as usize].bound);
             let cost = left.half_area() * blocks.of(i as f32) + self.areas[i] * blocks.of((count - i) as f32);
             if cost < best.0 {
                 best = (cost, i);
@@ -105,26 +99,23 @@ impl SweepOrder<'_> {
 
     /// The box around a range of the references sorted along an axis.
     fn bounds_along(&self, axis: usize, range: Range<usize>) -> Bound {
-        self.sorted[axis][range]
-            .iter()
-            .fold(Aabb::EMPTY, |b, &shape| b.union(self.boxes[shape as usize]))
-            .into()
+        self.sorted[axis][range].iter().fold(Bound::EMPTY, |b, &i| b.union(self.refs[i as usize].bound))
     }
 
     /// Puts the first `mid` references along `axis` before the others in all three orders, which stay sorted.
     fn partition(&mut self, axis: usize, mid: usize) {
-        for (i, &shape) in self.sorted[axis].iter().enumerate() {
-            self.goes_left[shape as usize].store(i < mid, Ordering::Relaxed);
+        for (i, &r) in self.sorted[axis].iter().enumerate() {
+            self.goes_left[r as usize].store(i < mid, Ordering::Relaxed);
         }
         for other in (0..3).filter(|&other| other != axis) {
             let sorted = &mut *self.sorted[other];
             let (mut kept, mut moved) = (0, 0);
             for i in 0..sorted.len() {
-                let shape = sorted[i];
+                let r = sorted[i];
                 // Written to both places without a branch; only one of the two counters moves on.
-                let left = self.goes_left[shape as usize].load(Ordering::Relaxed);
-                sorted[kept] = shape;
-                self.moved[moved] = shape;
+                let left = self.goes_left[r as usize].load(Ordering::Relaxed);
+                sorted[kept] = r;
+                self.moved[moved] = r;
                 kept += usize::from(left);
                 moved += usize::from(!left);
             }
@@ -143,7 +134,7 @@ impl Order for SweepOrder<'_> {
     }
 
     fn shape(&self, i: usize) -> u32 {
-        self.sorted[0][i]
+        self.refs[self.sorted[0][i] as usize].shape()
     }
 
     fn split_middle(&mut self, axis: usize) -> usize {
@@ -157,10 +148,10 @@ impl Order for SweepOrder<'_> {
         let ((xl, xr), (yl, yr), (zl, zr)) = (x.split_at_mut(mid), y.split_at_mut(mid), z.split_at_mut(mid));
         let (areas_left, areas_right) = self.areas.split_at_mut(mid);
         let (moved_left, moved_right) = self.moved.split_at_mut(mid);
-        let (boxes, goes_left) = (self.boxes, self.goes_left);
+        let (refs, goes_left) = (self.refs, self.goes_left);
         (
-            Self { boxes, sorted: [xl, yl, zl], areas: areas_left, moved: moved_left, goes_left },
-            Self { boxes, sorted: [xr, yr, zr], areas: areas_right, moved: moved_right, goes_left },
+            Self { refs, sorted: [xl, yl, zl], areas: areas_left, moved: moved_left, goes_left },
+            Self { refs, sorted: [xr, yr, zr], areas: areas_right, moved: moved_right, goes_left },
         )
     }
 }
@@ -183,8 +174,8 @@ impl Splitter<SweepOrder<'_>> for Sweep {
         let count = order.len();
         let mut best: Option<(f32, SortedSplit)> = None;
         for axis in 0..3 {
-            let first = order.boxes[order.sorted[axis][0] as usize].center()[axis];
-            let last = order.boxes[order.sorted[axis][count - 1] as usize].center()[axis];
+            let first = order.refs[order.sorted[axis][0] as usize].center_on(axis);
+            let last = order.refs[order.sorted[axis][count - 1] as usize].center_on(axis);
             if first == last {
                 continue;
             }

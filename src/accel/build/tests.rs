@@ -76,15 +76,18 @@ fn every_config() -> Vec<BuildConfig> {
                     {
                         // Each improver with half of what else there is.
                         let improver = Improver::ALL[configs.len() % Improver::ALL.len()];
+                        let compressed = width == Width::W8 && configs.len() % 7 < 3;
                         configs.push(BuildConfig {
                             builder,
                             width,
+                            layout: if compressed { Layout::Compressed } else { Layout::Full },
                             widen,
                             stop,
                             leaf,
                             bins,
                             block,
                             improver,
+                            pre_split: if configs.len() % 5 == 0 { 0.8 } else { 0.0 },
                             rounds: 3,
                             share: 0.5,
                             ..BuildConfig::default()
@@ -101,17 +104,50 @@ fn tree(boxes: &[Aabb], config: &BuildConfig) -> Tree {
     build(boxes, config, &Task::new()).expect("not cancelled").0
 }
 
+/// Boxes that are hollow, so that cutting them in advance pays.
+struct Hollow<'a>(&'a [Aabb]);
+
+impl Shapes for Hollow<'_> {
+    fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    fn bounds(&self, shape: u32) -> Aabb {
+        self.0.bounds(shape)
+    }
+
+    fn bounds_between(&self, shape: u32, axis: usize, from: f32, to: f32) -> Aabb {
+        self.0.bounds_between(shape, axis, from, to)
+    }
+
+    fn bounds_inside(&self, shape: u32, clip: &Aabb) -> Aabb {
+        self.0.bounds_inside(shape, clip)
+    }
+
+    fn area_in_parts(&self, _: u32) -> f32 {
+        0.0
+    }
+}
+
+fn hollow_tree(boxes: &[Aabb], config: &BuildConfig) -> Tree {
+    build_over(&Hollow(boxes), config, &Task::new()).expect("not cancelled").0
+}
+
 #[test]
 fn every_tree_is_valid_on_every_hard_case() {
     for (name, boxes) in hard_cases() {
         for config in every_config() {
-            let tree = tree(&boxes, &config);
+            let tree = hollow_tree(&boxes, &config);
             assert_eq!(validate(&tree, &boxes), [], "{name}, {config:?}");
-            let most = tree.leaves().iter().map(|l| l.count as usize).max().unwrap_or(0);
-            assert!(most <= config.leaf, "{name}, {config:?}: a leaf of {most}");
+            let most = tree.leaf_ranges().iter().map(|l| l.count as usize).max().unwrap_or(0);
+            assert!(most <= config.leaf_limit(), "{name}, {config:?}: a leaf of {most}");
             let more = tree.refs().len() - boxes.len();
-            let budget = if config.builder.duplicates() { boxes.len() / 2 } else { 0 };
-            assert!(more <= budget, "{name}, {config:?}: {more} references too many");
+            let share = if config.builder == Builder::Spatial { config.split_budget } else { 0.0 };
+            let budget = boxes.len() as f32 * (share + config.pre_split);
+            assert!(
+                more == 0 || (config.duplicates() && more as f32 <= budget),
+                "{name}, {config:?}: {more} references too many"
+            );
         }
     }
 }
@@ -125,14 +161,14 @@ fn halving_4977_boxes_gives_5857_nodes() {
 #[test]
 fn the_tree_is_the_same_at_any_number_of_threads() {
     let boxes = random_boxes(40_000, 10.0, 0.1);
-    for builder in Builder::ALL {
-        let config = BuildConfig { builder, width: Width::W4, ..BuildConfig::default() };
+    for (builder, pre_split) in Builder::ALL.into_iter().flat_map(|b| [(b, 0.0), (b, 0.3)]) {
+        let config = BuildConfig { builder, pre_split, layout: Layout::Compressed, ..BuildConfig::default() };
         let with_threads = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-            pool.install(|| tree(&boxes, &config))
+            pool.install(|| hollow_tree(&boxes, &config))
         };
         let one = with_threads(1);
-        assert!(one == with_threads(2) && one == with_threads(5), "{builder:?}");
+        assert!(one == with_threads(2) && one == with_threads(5), "{builder:?}, {pre_split}");
     }
 }
 
@@ -389,8 +425,10 @@ fn a_cancelled_build_says_so() {
 fn progress_reaches_the_end() {
     for builder in Builder::ALL {
         let task = Task::new();
-        let config = BuildConfig { builder, ..BuildConfig::default() };
-        build(&random_boxes(5000, 5.0, 0.2), &config, &task).expect("not cancelled");
-        assert_eq!(task.fraction(), Some(1.0), "{builder:?}");
+        for pre_split in [0.0, 0.4] {
+            let config = BuildConfig { builder, pre_split, ..BuildConfig::default() };
+            build_over(&Hollow(&random_boxes(5000, 5.0, 0.2)), &config, &task).expect("not cancelled");
+            assert_eq!(task.fraction(), Some(1.0), "{builder:?}, {pre_split}");
+        }
     }
 }

@@ -9,7 +9,7 @@ use crate::geometry::Aabb;
 use siblings::{empty_space, overlap};
 
 use super::bvh2::Bvh2;
-use super::tree::{ChildRef, Tree, WideBvh};
+use super::tree::{ChildRef, Nodes, Tree};
 
 /// Children of the widest node.
 const MOST_CHILDREN: usize = 16;
@@ -141,16 +141,20 @@ struct Sums {
 
 impl Sums {
     /// One pass over the inner nodes, which lie behind their parents: each adds its children.
-    fn over<const N: usize>(tree: &WideBvh<N>, costs: &Costs) -> Self {
+    fn over<T: Nodes>(tree: &T, costs: &Costs) -> Self {
         let mut sums = Self::default();
-        let mut depths = vec![0_u32; tree.nodes.len()];
-        sums.add(tree, tree.root, &tree.bounds, 0, costs);
-        for (node_idx, node) in tree.nodes.iter().enumerate() {
+        let mut depths = vec![0_u32; tree.inner_count()];
+        sums.add(tree, tree.root(), &tree.bounds(), 0, costs);
+        for node_idx in 0..tree.inner_count() {
             let depth = depths[node_idx] + 1;
-            let mut boxes = [Aabb::EMPTY; N];
+            let mut boxes = [Aabb::EMPTY; MOST_CHILDREN];
             let mut count = 0;
-            for &child in node.children.iter().filter(|child| !child.is_empty()) {
-                boxes[count] = node.child_bounds(count);
+            for slot in 0..T::WIDTH {
+                let (child, bounds) = tree.slot(node_idx as u32, slot);
+                if child.is_empty() {
+                    break;
+                }
+                boxes[count] = bounds;
                 sums.add(tree, child, &boxes[count], depth, costs);
                 if let Some(child_idx) = child.as_inner() {
                     depths[child_idx as usize] = depth;
@@ -167,14 +171,7 @@ impl Sums {
     }
 
     #[inline]
-    fn add<const N: usize>(
-        &mut self,
-        tree: &WideBvh<N>,
-        node: ChildRef,
-        bounds: &Aabb,
-        depth: u32,
-        costs: &Costs,
-    ) {
+    fn add<T: Nodes>(&mut self, tree: &T, node: ChildRef, bounds: &Aabb, depth: u32, costs: &Costs) {
         if node.is_empty() {
             return;
         }
@@ -185,7 +182,7 @@ impl Sums {
         let area = f64::from(bounds.area());
         let per_area = |cost: f64| if costs.root_area > 0.0 { cost / costs.root_area } else { 0.0 };
         if let Some(leaf_idx) = node.as_leaf() {
-            let size = tree.leaves[leaf_idx as usize].count as usize;
+            let size = tree.leaf_range(leaf_idx).count as usize;
             level.leaf_count += 1;
             level.reference_count += size;
             level.sah_leaf += per_area(costs.intersection * size as f64 * area);

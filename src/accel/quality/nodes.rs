@@ -3,7 +3,7 @@
 
 use super::siblings::{empty_space, overlap};
 use super::{FILL_LANES, MOST_CHILDREN};
-use crate::accel::tree::{Tree, Visit};
+use crate::accel::tree::{Nodes, Tree, Visit};
 use crate::each_width;
 use crate::geometry::Aabb;
 
@@ -13,9 +13,7 @@ pub fn sah_shares(tree: &Tree, traversal_cost: f32, intersection_cost: f32) -> V
     let mut costs = vec![0.0_f64; tree.node_count()];
     tree.walk_nodes(|Visit { id, bounds, .. }| {
         let weight = match tree.leaf_index(id) {
-            Some(leaf_idx) => {
-                f64::from(intersection_cost) * f64::from(tree.leaves()[leaf_idx as usize].count)
-            }
+            Some(leaf_idx) => f64::from(intersection_cost) * f64::from(tree.leaf_range(leaf_idx).count),
             None => f64::from(traversal_cost),
         };
         costs[id.0 as usize] = weight * f64::from(bounds.area());
@@ -62,7 +60,8 @@ fn of_nodes(tree: &Tree, inner: impl Fn(&[Aabb]) -> f32, leaf: impl Fn(usize) ->
         });
         values.push(inner(&boxes[..count]));
     }
-    values.extend(tree.leaves().iter().map(|range| leaf(range.count as usize)));
+    let sizes = (0..tree.leaf_count() as u32).map(|leaf_idx| tree.leaf_range(leaf_idx).count as usize);
+    values.extend(sizes.map(leaf));
     values
 }
 

@@ -3,8 +3,9 @@
 use fearless_simd::{Simd, SimdFloat, f32x4, f32x8, prelude::*};
 use glam::Vec3;
 
+use crate::accel::compressed::CompressedNode;
 use crate::accel::simd::{greater_or, less_or};
-use crate::accel::tree::WideNode;
+use crate::accel::tree::{ChildRef, WideNode};
 use crate::geometry::{Aabb, Ray, Slabs};
 
 use super::packet::Interval;
@@ -110,6 +111,38 @@ pub trait BoxLanes<S: Simd, const N: usize> {
 
     /// The slots whose boxes any ray of a packet may enter before `t_max`.
     fn may_enter(&self, simd: S, packet: &Interval, t_max: f32) -> (u32, [f32; N]);
+
+    /// What stands in a slot that is filled.
+    fn child(&self, slot: usize) -> ChildRef;
+
+    fn child_count(&self) -> usize;
+
+    /// The sides of a child's box, minima first.
+    fn child_sides(&self, slot: usize) -> [f32; 6];
+}
+
+/// The sides of all boxes of a node, row by row.
+pub trait SideRows<S: Simd, V> {
+    /// Row `row` of [`WideNode::sides`], which lies across `axis`.
+    fn row(&self, simd: S, axis: usize, row: usize) -> V;
+}
+
+impl<S: Simd, V: SimdFloat<S, Element = f32, Array = [f32; N]>, const N: usize> SideRows<S, V>
+    for [[f32; N]; 6]
+{
+    #[inline(always)]
+    fn row(&self, simd: S, _: usize, row: usize) -> V {
+        V::load_array_ref(simd, &self[row])
+    }
+}
+
+impl<S: Simd> SideRows<S, f32x8<S>> for CompressedNode {
+    #[inline(always)]
+    fn row(&self, simd: S, axis: usize, row: usize) -> f32x8<S> {
+        let (origin, quantum) = (self.origin(axis), self.quantum(axis));
+        f32x8::load_array(simd, self.bytes(row)) * f32x8::simd_from(simd, quantum)
+            + f32x8::simd_from(simd, origin)
+    }
 }
 
 /// A ray spread over the lanes of as many boxes.
@@ -148,16 +181,16 @@ impl<V> LaneSlabs<V> {
 
     /// The comparisons keep a NaN out (0 * infinity: the ray lies in a side's plane), so such a side never rejects.
     #[inline(always)]
-    fn enter<S: Simd, const N: usize>(&self, simd: S, sides: &[[f32; N]; 6], t_max: f32) -> Entered<N>
+    fn enter<S: Simd, const N: usize>(&self, simd: S, sides: &impl SideRows<S, V>, t_max: f32) -> Entered<N>
     where
         V: SimdFloat<S, Element = f32, Array = [f32; N]>,
     {
         let mut near = self.t_min;
         let mut far = V::simd_from(simd, t_max);
         for axis in 0..3 {
-            let side = V::load_array_ref(simd, &sides[self.near_side[axis]]);
+            let side = sides.row(simd, axis, self.near_side[axis]);
             near = greater_or(simd, (side - self.near_origin[axis]) * self.inv_direction[axis], near);
-            let side = V::load_array_ref(simd, &sides[self.far_side[axis]]);
+            let side = sides.row(simd, axis, self.far_side[axis]);
             far = less_or(simd, (side - self.far_origin[axis]) * self.inv_direction[axis], far);
         }
         Entered { slots: near.simd_le(far).to_bitmask() as u32, entries: near.to_array() }
@@ -181,6 +214,57 @@ impl<S: Simd> BoxLanes<S, 8> for WideNode<8> {
     fn may_enter(&self, simd: S, packet: &Interval, t_max: f32) -> (u32, [f32; 8]) {
         packet.enter::<S, f32x8<S>, 8>(simd, &self.sides, t_max)
     }
+
+    #[inline(always)]
+    fn child(&self, slot: usize) -> ChildRef {
+        self.children[slot]
+    }
+
+    #[inline(always)]
+    fn child_count(&self) -> usize {
+        WideNode::child_count(self)
+    }
+
+    #[inline(always)]
+    fn child_sides(&self, slot: usize) -> [f32; 6] {
+        self.slot_sides(slot)
+    }
+}
+
+impl<S: Simd> BoxLanes<S, 8> for CompressedNode {
+    type Ray = LaneSlabs<f32x8<S>>;
+
+    #[inline(always)]
+    fn spread(simd: S, ray: &TreeRay) -> Self::Ray {
+        LaneSlabs::new(simd, ray)
+    }
+
+    #[inline(always)]
+    fn enter(&self, simd: S, ray: &Self::Ray, t_max: f32) -> Entered<8> {
+        let Entered { slots, entries } = ray.enter(simd, self, t_max);
+        Entered { slots: slots & self.filled(), entries }
+    }
+
+    #[inline(always)]
+    fn may_enter(&self, simd: S, packet: &Interval, t_max: f32) -> (u32, [f32; 8]) {
+        let (slots, nears) = packet.enter::<S, f32x8<S>, 8>(simd, self, t_max);
+        (slots & self.filled(), nears)
+    }
+
+    #[inline(always)]
+    fn child(&self, slot: usize) -> ChildRef {
+        CompressedNode::child(self, slot)
+    }
+
+    #[inline(always)]
+    fn child_count(&self) -> usize {
+        CompressedNode::child_count(self)
+    }
+
+    #[inline(always)]
+    fn child_sides(&self, slot: usize) -> [f32; 6] {
+        CompressedNode::child_sides(self, slot)
+    }
 }
 
 impl<S: Simd> BoxLanes<S, 4> for WideNode<4> {
@@ -199,6 +283,21 @@ impl<S: Simd> BoxLanes<S, 4> for WideNode<4> {
     #[inline(always)]
     fn may_enter(&self, simd: S, packet: &Interval, t_max: f32) -> (u32, [f32; 4]) {
         packet.enter::<S, f32x4<S>, 4>(simd, &self.sides, t_max)
+    }
+
+    #[inline(always)]
+    fn child(&self, slot: usize) -> ChildRef {
+        self.children[slot]
+    }
+
+    #[inline(always)]
+    fn child_count(&self) -> usize {
+        WideNode::child_count(self)
+    }
+
+    #[inline(always)]
+    fn child_sides(&self, slot: usize) -> [f32; 6] {
+        self.slot_sides(slot)
     }
 }
 
@@ -267,5 +366,20 @@ impl<S: Simd> BoxLanes<S, 2> for WideNode<2> {
     #[inline(always)]
     fn may_enter(&self, simd: S, packet: &Interval, t_max: f32) -> (u32, [f32; 2]) {
         packet.enter_pair(simd, &self.sides, t_max)
+    }
+
+    #[inline(always)]
+    fn child(&self, slot: usize) -> ChildRef {
+        self.children[slot]
+    }
+
+    #[inline(always)]
+    fn child_count(&self) -> usize {
+        WideNode::child_count(self)
+    }
+
+    #[inline(always)]
+    fn child_sides(&self, slot: usize) -> [f32; 6] {
+        self.slot_sides(slot)
     }
 }

@@ -15,7 +15,7 @@ use crate::{at_level, each_width};
 
 use super::config::BuildConfig;
 use super::simd::{Instructions, SimdToken};
-use super::tree::{ChildRef, Tree, WideBvh, WideNode};
+use super::tree::{ChildRef, Tree, Walked};
 
 use boxes::{BoxLanes, Entered, TreeRay};
 
@@ -137,7 +137,7 @@ pub fn intersect<'l, L: LeafIntersector, P: Probe>(
 ) {
     let mut full = Vec::new();
     let mut query = Nearest::<L> { best };
-    each_width!(tree, t => at_level!(simd, simd => walk(simd, t, leaves, ray, &mut query, probe, &mut full)));
+    each_width!(tree, t => at_level!(simd, simd => walk(simd, t.walked(), leaves, ray, &mut query, probe, &mut full)));
 }
 
 /// Any shape between `t_min` and `t_max` that `blocks` says stops the ray: its index, or `None` for a free way.
@@ -153,7 +153,7 @@ pub fn occluded<L: LeafIntersector, P: Probe>(
 ) -> Option<u32> {
     let mut full = Vec::new();
     let mut query = Any { t_max: ray.last(), blocks, found: None };
-    each_width!(tree, t => at_level!(simd, simd => walk(simd, t, leaves, ray, &mut query, probe, &mut full)));
+    each_width!(tree, t => at_level!(simd, simd => walk(simd, t.walked(), leaves, ray, &mut query, probe, &mut full)));
     query.found
 }
 
@@ -210,18 +210,24 @@ const CACHED: usize = 1 << 21;
 /// Walking 4 to 32 rays in turns, each a step, is worth half as much again in trees that do not fit the caches, a fifth for
 /// coherent rays, and nothing elsewhere.
 #[inline(always)]
-fn walk<'l, S: Instructions, const N: usize, L: LeafIntersector, Q: Query<'l, L>, P: Probe>(
+fn walk<
+    'l,
+    S: Instructions,
+    const N: usize,
+    T: BoxLanes<S, N>,
+    L: LeafIntersector,
+    Q: Query<'l, L>,
+    P: Probe,
+>(
     simd: S,
-    bvh: &WideBvh<N>,
+    bvh: Walked<T>,
     leaves: &'l L,
     ray: &Ray,
     query: &mut Q,
     probe: &mut P,
     full: &mut Vec<Waiting>,
-) where
-    WideNode<N>: BoxLanes<S, N>,
-{
-    if let Some(tree_ray) = TreeRay::new(simd, ray, &bvh.bounds, query.t_max()) {
+) {
+    if let Some(tree_ray) = TreeRay::new(simd, ray, bvh.bounds, query.t_max()) {
         let start = Start { node: bvh.root, ray, tree_ray: &tree_ray };
         walk_below(simd, bvh, start, leaves, query, probe, full);
     }
@@ -237,24 +243,30 @@ struct Start<'r> {
 
 /// The walk from a node on.
 #[inline(always)]
-fn walk_below<'l, S: Instructions, const N: usize, L: LeafIntersector, Q: Query<'l, L>, P: Probe>(
+fn walk_below<
+    'l,
+    S: Instructions,
+    const N: usize,
+    T: BoxLanes<S, N>,
+    L: LeafIntersector,
+    Q: Query<'l, L>,
+    P: Probe,
+>(
     simd: S,
-    bvh: &WideBvh<N>,
+    bvh: Walked<T>,
     start: Start,
     leaves: &'l L,
     query: &mut Q,
     probe: &mut P,
     full: &mut Vec<Waiting>,
-) where
-    WideNode<N>: BoxLanes<S, N>,
-{
+) {
     let Start { node: mut next, ray, tree_ray } = start;
     let mut t_max = query.t_max();
-    let lanes = WideNode::spread(simd, tree_ray);
+    let lanes = T::spread(simd, tree_ray);
     let mut prepared = None;
     let mut full = Some(full);
     let mut small = [Waiting::NONE; SMALL_STACK];
-    let nodes = &bvh.nodes[..];
+    let nodes = bvh.nodes;
     // The nodes that wait, the nearest on top.
     let mut stack = &mut small[..];
     let mut height = 1;
@@ -275,10 +287,10 @@ fn walk_below<'l, S: Instructions, const N: usize, L: LeafIntersector, Q: Query<
             // node, and checks the guess when the boxes are tested. Minima would make it wait for every node.
             let (mut nearest_slot, mut rest) = lowest::<N>(slots);
             if rest == 0 {
-                next = node.children[guessed::<N>(nearest_slot)];
+                next = node.child(guessed::<N>(nearest_slot));
                 continue;
             }
-            let waiting = |slot: usize| Waiting::new(node.children[slot], entries[slot]);
+            let waiting = |slot: usize| Waiting::new(node.child(slot), entries[slot]);
             let mut nearest = waiting(nearest_slot);
             let mut before = |slot: usize, nearest: &mut Waiting| {
                 let other = waiting(slot);
@@ -324,7 +336,7 @@ fn walk_below<'l, S: Instructions, const N: usize, L: LeafIntersector, Q: Query<
                     height += 1;
                 }
             }
-            next = node.children[guessed::<N>(nearest_slot)];
+            next = node.child(guessed::<N>(nearest_slot));
         }
         let Some(leaf_idx) = next.as_leaf() else {
             if next.is_empty() {
@@ -403,12 +415,7 @@ fn guessed<const N: usize>(slot: usize) -> usize {
 
 /// Asks for a node that waits.
 #[inline(always)]
-fn fetch<S: Instructions, const N: usize, L: LeafIntersector>(
-    simd: S,
-    nodes: &[WideNode<N>],
-    leaves: &L,
-    child: ChildRef,
-) {
+fn fetch<S: Instructions, T, L: LeafIntersector>(simd: S, nodes: &[T], leaves: &L, child: ChildRef) {
     match child.as_leaf() {
         Some(leaf_idx) => leaves.prefetch(simd, leaf_idx),
         None => simd.prefetch(nodes, child.0 as usize),

@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
 use super::*;
-use crate::accel::config::{Builder, Widen, Width};
+use crate::accel::config::{Builder, Widen};
 use crate::accel::{BuildConfig, build};
 use crate::geometry::{Aabb, Hit, Ray, Slabs};
 use crate::task::Task;
@@ -118,9 +118,9 @@ fn every_tree_gives_the_answers_of_brute_force() {
     let boxes = boxes(300);
     let rays = rays(&boxes);
     for builder in Builder::ALL {
-        for width in Width::ALL {
+        for (width, layout) in BuildConfig::NODES {
             for widen in Widen::ALL {
-                let config = BuildConfig { builder, width, widen, ..BuildConfig::default() };
+                let config = BuildConfig { builder, width, layout, widen, ..BuildConfig::default() };
                 let (tree, _) = build(&boxes, &config, &Task::new()).expect("not cancelled");
                 let leaves = Boxes { tree: &tree, boxes: &boxes };
                 for ray in &rays {

@@ -44,6 +44,8 @@ impl TableKey {
             improver: blank.improver,
             rounds: blank.rounds,
             share: blank.share,
+            layout: blank.layout,
+            pre_split: blank.pre_split,
             ..*config
         };
         let RenderSettings { width, height, max_depth, threads, .. } = *settings;

@@ -5,7 +5,7 @@ use std::time::Duration;
 use egui::{DragValue, Frame, Label, Margin, RichText, Slider, Ui};
 use egui_plot::{Line, PlotPoints, Points};
 
-use crate::accel::{Block, BuildConfig, Builder, Improver, Morton, StopRule, Widen, Width};
+use crate::accel::{Block, BuildConfig, Builder, Improver, Layout, Morton, StopRule, Widen, Width};
 use crate::app::commands::{Command, Commands};
 use crate::app::theme::Palette;
 use crate::app::view::{AppView, HistoryEntry};
@@ -21,6 +21,8 @@ use super::widgets::{self, Figure};
 /// As far as the sliders of the improver go; flags and sessions go further.
 const MANY_ROUNDS: usize = 100;
 const SMALL_SHARE: f32 = 0.01;
+/// As far as the slider goes; the flag and sessions go further.
+const MUCH_PRE_SPLIT: f32 = 1.0;
 
 /// A build that takes longer shows its progress.
 const SLOW: Duration = Duration::from_millis(200);
@@ -38,14 +40,14 @@ impl BuildPanel {
         widgets::section(ui, "Tree");
         let config = *view.session.build();
         choices(ui, &config, commands);
-        self.sliders(ui, &config, commands);
+        self.sliders(ui, &config, view.palette, commands);
         costs(ui, &config, commands);
         status(ui, view, commands);
         report(ui, view);
         self.history.ui(ui, view, commands);
     }
 
-    fn sliders(&mut self, ui: &mut Ui, config: &BuildConfig, commands: &mut Commands) {
+    fn sliders(&mut self, ui: &mut Ui, config: &BuildConfig, palette: &Palette, commands: &mut Commands) {
         let (mut bins, mut leaf) = (config.bins, config.leaf);
         let bins_slider = ui
             .add_enabled_ui(config.builder.uses_bins(), |ui| {
@@ -54,7 +56,17 @@ impl BuildPanel {
             .inner
             .on_disabled_hover_text("Only the builders binned and spatial use bins.");
         let leaf_slider = widgets::integer_slider(ui, Term::Leaf, &mut leaf, BuildConfig::LEAF, true);
+        if config.leaf_limit() < config.leaf {
+            let text = format!("Compressed leaves hold {} shapes at most.", config.leaf_limit());
+            widgets::caption(ui, palette, text);
+        }
         let of_builder = builder_sliders(ui, config, commands);
+        let mut pre_split = config.pre_split;
+        let slider = Slider::new(&mut pre_split, 0.0..=MUCH_PRE_SPLIT.max(config.pre_split)).max_decimals(2);
+        let of_pre_split = widgets::slider(ui, Term::PreSplit, slider.trailing_fill(true));
+        if pre_split != config.pre_split {
+            commands.edit(move |s| s.build_mut().pre_split = pre_split);
+        }
         let (mut rounds, mut share) = (config.rounds, config.share);
         let mut improver_dragged = false;
         if config.improver != Improver::None {
@@ -73,7 +85,11 @@ impl BuildPanel {
         if share != config.share {
             commands.edit(move |s| s.build_mut().share = share);
         }
-        let held = bins_slider.dragged() || leaf_slider.dragged() || of_builder || improver_dragged;
+        let held = bins_slider.dragged()
+            || leaf_slider.dragged()
+            || of_builder
+            || of_pre_split.dragged()
+            || improver_dragged;
         if held && !self.held {
             commands.push(Command::HoldRange(true));
         }
@@ -133,7 +149,21 @@ fn choices(ui: &mut Ui, config: &BuildConfig, commands: &mut Commands) {
         Width::W8 => (w.name(), "up to eight children a node, tested together"),
     };
     if let Some(width) = widgets::segmented(ui, Term::Width, Some(config.width), &Width::ALL, &describe) {
-        commands.edit(move |s| s.build_mut().width = width);
+        commands.edit(move |s| {
+            let build = s.build_mut();
+            build.width = width;
+            if !BuildConfig::NODES.contains(&(width, build.layout)) {
+                build.layout = Layout::Full;
+            }
+        });
+    }
+    let describe = |l: Layout| (l.name(), l.description());
+    let layout = ui.add_enabled_ui(config.width == Width::W8, |ui| {
+        widgets::segmented(ui, Term::Layout, Some(config.layout), &Layout::ALL, &describe)
+    });
+    layout.response.on_disabled_hover_text("Only nodes of width 8 can be compressed.");
+    if let Some(layout) = layout.inner {
+        commands.edit(move |s| s.build_mut().layout = layout);
     }
     if config.width != Width::W2 {
         let describe = |w: Widen| (w.name(), w.description());
@@ -231,7 +261,10 @@ pub fn summary(config: &BuildConfig) -> String {
             text += &format!(" · budget {}", config.split_budget);
         }
     }
-    text += &format!(" · leaf {}", config.leaf);
+    if config.pre_split > 0.0 {
+        text += &format!(" · pre-split {}", config.pre_split);
+    }
+    text += &format!(" · leaf {}", config.leaf_limit());
     if config.block != Block::default() {
         text += &format!(" · blocks of {}", config.block.name());
     }
@@ -239,6 +272,9 @@ pub fn summary(config: &BuildConfig) -> String {
         Width::W2 => " · binary".to_owned(),
         width => format!(" · {}-wide {}", width.name(), config.widen.name()),
     };
+    if config.layout == Layout::Compressed {
+        text += " · compressed";
+    }
     if config.improver != Improver::None {
         text += &format!(" · {} {}", config.improver.name(), config.rounds);
     }

@@ -54,6 +54,7 @@ glossary! {
     // Build
     Builder "Builder" "How splits are found."
     Width "Width" "How many children a node has at most."
+    Layout "Layout" "How nodes lie in memory: compressed, a node of width 8 takes 80 bytes instead of 256, and its boxes are a little larger."
     Block "Blocks" "How many shapes count as one in the split cost, rounded up; 4 are tested at once."
     Widen "Wide nodes" "How nodes of width 4 and 8 are made: directly by several splits at once, or from the finished binary tree."
     Improver "Improver" "What makes a better tree of the one that was built, before it is widened."
@@ -66,6 +67,7 @@ glossary! {
     Radius "Radius" "How many neighbours on either side along the Morton curve ploc compares to find the nearest."
     SplitAlpha "Overlap from" "From which overlap on, as a share of the root's area, spatial tries to cut shapes: alpha of the paper."
     SplitBudget "Budget" "How many references cuts may add at most, as a share of the shapes."
+    PreSplit "Pre-split" "How many references cutting large shapes before the build may add at most, as a share of the shapes: 0 cuts none."
     Leaf "Leaf limit" "The most shapes that a leaf may hold."
     TraversalCost "Traversal cost" "C_t of the SAH cost: the price of visiting an inner node."
     IntersectionCost "Intersection cost" "C_i of the SAH cost: the price of testing a shape."

@@ -6,7 +6,7 @@ use super::OverlaySettings;
 use super::color::SHARE_SPAN;
 use super::hidden::FarthestSurfaces;
 use super::project::{Footprint, PixelRect, Projector};
-use crate::accel::{ChildRef, Tree, WideBvh};
+use crate::accel::{ChildRef, Nodes, Tree};
 use crate::each_width;
 use crate::geometry::Aabb;
 use crate::task::{Cancelled, Task};
@@ -126,20 +126,20 @@ struct Found {
     value_max: f32,
 }
 
-struct Walk<'a, const N: usize> {
-    tree: &'a WideBvh<N>,
+struct Walk<'a, T> {
+    tree: &'a T,
     values: &'a [f32],
     depths: [u32; 2],
     stage: Stage<'a>,
     settings: &'a OverlaySettings,
 }
 
-impl<const N: usize> Walk<'_, N> {
+impl<T: Nodes> Walk<'_, T> {
     fn run(&self, task: &Task) -> Result<Selection, Cancelled> {
         let mut selection = Selection::default();
         let mut level = Vec::new();
-        if !self.tree.root.is_empty() {
-            level.push(Reached { child: self.tree.root, bounds: self.tree.bounds, fate: Fate::Open });
+        if !self.tree.root().is_empty() {
+            level.push(Reached { child: self.tree.root(), bounds: self.tree.bounds(), fate: Fate::Open });
         }
         let budget = self.settings.budget as usize;
         let (mut depth, mut smallest, mut value_max) = (0, 0.0, 0.0_f32);
@@ -216,9 +216,8 @@ impl<const N: usize> Walk<'_, N> {
     }
 
     fn descend(&self, node_idx: u32, fate: Fate, found: &mut Found) {
-        let node = &self.tree.nodes[node_idx as usize];
-        for (slot, &child) in node.children.iter().enumerate().take_while(|(_, c)| !c.is_empty()) {
-            let bounds = node.child_bounds(slot);
+        let slots = (0..T::WIDTH).map(|slot| self.tree.slot(node_idx, slot));
+        for (child, bounds) in slots.take_while(|(child, _)| !child.is_empty()) {
             found.next.push(Reached { child, bounds, fate });
         }
     }
@@ -235,7 +234,7 @@ impl<const N: usize> Walk<'_, N> {
 
     /// The number of [`NodeId`](crate::accel::NodeId).
     fn node_id(&self, child: ChildRef) -> u32 {
-        let first_leaf = self.tree.nodes.len() as u32;
+        let first_leaf = self.tree.inner_count() as u32;
         child.as_inner().or(child.as_leaf().map(|leaf_idx| first_leaf + leaf_idx)).unwrap_or(u32::MAX)
     }
 

@@ -24,6 +24,17 @@ impl Shapes for Needles {
             Aabb::from_points([first, last].map(|t| a.lerp(b, t))).padded(1e-5)
         }
     }
+
+    fn bounds_inside(&self, shape: u32, clip: &Aabb) -> Aabb {
+        let part = |all: Aabb, axis| {
+            all.intersection(self.bounds_between(shape, axis, clip.min[axis], clip.max[axis]))
+        };
+        [0, 1, 2].into_iter().fold(*clip, part)
+    }
+
+    fn area_in_parts(&self, _: u32) -> f32 {
+        0.0
+    }
 }
 
 /// Many short ones, and a few from one side to the other.
@@ -49,6 +60,30 @@ fn spatial_splits_cut_needles_within_their_budget() {
     let ((whole, binned), (cut, spatial)) = (figures(Builder::Binned), figures(Builder::Spatial));
     assert!(whole == 400 && (420..=600).contains(&cut), "{whole} and {cut} references");
     assert!(spatial < 0.9 * binned, "{spatial} against {binned}");
+}
+
+#[test]
+fn needles_cut_in_advance_make_better_trees_of_any_builder() {
+    let needles = needles();
+    let boxes: Vec<_> = (0..400).map(|shape| needles.bounds(shape)).collect();
+    for builder in Builder::ALL {
+        let figures = |pre_split| {
+            let config = BuildConfig { builder, pre_split, leaf: 4, ..BuildConfig::default() };
+            let (tree, report) = build_over(&needles, &config, &Task::new()).expect("not cancelled");
+            assert_eq!(validate(&tree, &boxes), [], "{config:?}");
+            assert_eq!(report.phases.iter().any(|phase| phase.name == "presplit"), pre_split > 0.0);
+            let figures = TreeFigures::measure(&tree, 1.0, 1.0);
+            (figures.reference_count, figures.sah_cost.map_or(f64::NAN, |cost| cost.total()))
+        };
+        let ((_, whole), (few, little), (many, much)) = (figures(0.0), figures(0.02), figures(1.0));
+        if builder != Builder::Spatial {
+            assert!(few <= 408 && many <= 800 && few < many, "{builder:?}: {few}, {many} references");
+            assert!(little < 1.05 * whole, "{builder:?}: {little} against {whole}");
+        }
+        // There is nothing to gain in parts without any order, or beside cuts where they are best.
+        let gains = !matches!(builder, Builder::Spatial | Builder::Random);
+        assert!(!gains || much < 0.95 * whole, "{builder:?}: {much} against {whole}");
+    }
 }
 
 #[test]

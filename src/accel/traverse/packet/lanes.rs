@@ -6,7 +6,7 @@ use fearless_simd::{Simd, f32x4, f32x8, f64x4, mask32x8, prelude::*};
 use crate::accel::simd::{greater_or, less_or};
 use crate::geometry::{Aabb, PreparedRay, Ray, Slabs};
 
-use super::super::boxes::TreeRay;
+use super::super::boxes::{SideRows, TreeRay};
 use super::rays::{GROUP, GROUPS, Lanes, PACKET, Rays};
 
 /// The rays of a packet as structure of arrays, with what box and triangle tests need of them.
@@ -292,18 +292,17 @@ impl PacketLanes {
         }
     }
 
-    /// Which of `rays` enter a child's box before their end, and where.
+    /// Which of `rays` enter a box with these sides, minima first, before their end, and where.
     #[inline(always)]
-    pub(super) fn enter<S: Simd, const N: usize>(
+    pub(super) fn enter<S: Simd>(
         &self,
         simd: S,
-        sides: &[[f32; N]; 6],
-        slot: usize,
+        sides: &[f32; 6],
         rays: Rays,
         t_max: &Lanes,
         entries: &mut Lanes,
     ) -> Rays {
-        let side = |row: usize| f32x8::simd_from(simd, sides[row % 6][slot % N]);
+        let side = |row: usize| f32x8::simd_from(simd, sides[row % 6]);
         let near_side = [side(self.near_side[0]), side(self.near_side[1]), side(self.near_side[2])];
         let far_side = [side(self.far_side[0]), side(self.far_side[1]), side(self.far_side[2])];
         rays.that(
@@ -380,7 +379,7 @@ impl Interval {
     pub fn enter<S: Simd, V, const N: usize>(
         &self,
         simd: S,
-        sides: &[[f32; N]; 6],
+        sides: &impl SideRows<S, V>,
         t_max: f32,
     ) -> (u32, [f32; N])
     where
@@ -391,11 +390,9 @@ impl Interval {
         for axis in 0..3 {
             let [low, high] = self.inv_direction[axis];
             let (low, high) = (spread(low), spread(high));
-            let side =
-                V::load_array_ref(simd, &sides[self.near_side[axis] % 6]) - spread(self.near_origin[axis]);
+            let side = sides.row(simd, axis, self.near_side[axis] % 6) - spread(self.near_origin[axis]);
             near = near.max((side * low).min(side * high));
-            let side =
-                V::load_array_ref(simd, &sides[self.far_side[axis] % 6]) - spread(self.far_origin[axis]);
+            let side = sides.row(simd, axis, self.far_side[axis] % 6) - spread(self.far_origin[axis]);
             far = far.min((side * low).max(side * high));
         }
         (near.simd_le(far).to_bitmask() as u32, near.to_array())

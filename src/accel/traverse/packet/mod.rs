@@ -16,7 +16,7 @@ use fearless_simd::prelude::*;
 
 use crate::accel::config::BuildConfig;
 use crate::accel::simd::{Instructions, SimdToken};
-use crate::accel::tree::{ChildRef, Tree, WideBvh, WideNode};
+use crate::accel::tree::{ChildRef, Tree, Walked};
 use crate::geometry::Ray;
 use crate::{at_level, each_width};
 
@@ -121,7 +121,7 @@ pub fn intersect<'l, L: PacketLeaves>(
 ) -> Rays {
     let mut query = Nearest::<L> { bests };
     let asked = Rays::ALL;
-    each_width!(tree, t => at_level!(simd, simd => together(simd, t, leaves, asked, packet, &mut query, probe)))
+    each_width!(tree, t => at_level!(simd, simd => together(simd, t.walked(), leaves, asked, packet, &mut query, probe)))
 }
 
 /// Which of the packet's rays a shape stops between `t_min` and `t_max` that `blocks` says does, of those `asked`; and
@@ -136,24 +136,21 @@ pub fn occluded<L: PacketLeaves>(
     probe: &mut PacketProbe,
 ) -> (Rays, Rays) {
     let mut query = Any { t_max: *packet.lanes.t_max(), blocks, stopped: Rays::NONE };
-    let alone = each_width!(tree, t => at_level!(simd, simd => together(simd, t, leaves, asked, packet, &mut query, probe)));
+    let alone = each_width!(tree, t => at_level!(simd, simd => together(simd, t.walked(), leaves, asked, packet, &mut query, probe)));
     (query.stopped, alone)
 }
 
 /// Walks with the rays of one class after the other.
 #[inline(always)]
-fn together<'l, S: Instructions, const N: usize, L: PacketLeaves, Q: Query<'l, L>>(
+fn together<'l, S: Instructions, const N: usize, T: BoxLanes<S, N>, L: PacketLeaves, Q: Query<'l, L>>(
     simd: S,
-    bvh: &WideBvh<N>,
+    bvh: Walked<T>,
     leaves: &'l L,
     asked: Rays,
     packet: &mut RayPacket,
     query: &mut Q,
     probe: &mut PacketProbe,
-) -> Rays
-where
-    WideNode<N>: BoxLanes<S, N>,
-{
+) -> Rays {
     let RayPacket { lanes, stack, classes } = packet;
     if bvh.root.is_empty() {
         return Rays::NONE;
@@ -181,17 +178,15 @@ where
 /// - each ray's entries kept from the test at the parent, instead of a test when the node is taken: 5 percent slower;
 /// - packets of 32 rays: an eighth slower; of 16: a third.
 #[inline(always)]
-fn walk<'l, S: Instructions, const N: usize, L: PacketLeaves, Q: Query<'l, L>>(
+fn walk<'l, S: Instructions, const N: usize, T: BoxLanes<S, N>, L: PacketLeaves, Q: Query<'l, L>>(
     simd: S,
-    bvh: &WideBvh<N>,
+    bvh: Walked<T>,
     leaves: &'l L,
     (lanes, rays): (&PacketLanes, Rays),
     stack: &mut Stack,
     query: &mut Q,
     probe: &mut PacketProbe,
-) where
-    WideNode<N>: BoxLanes<S, N>,
-{
+) {
     let Stack { waiting, entries, alone, met, met_by } = stack;
     let interval = lanes.interval(simd, rays);
     let mut t_end = query.t_max().bounds(simd, rays)[1];
@@ -212,7 +207,7 @@ fn walk<'l, S: Instructions, const N: usize, L: PacketLeaves, Q: Query<'l, L>>(
             while slots != 0 {
                 let slot = slots.trailing_zeros() as usize % N;
                 slots &= slots - 1;
-                let (child, near) = (node.children[slot], nears[slot]);
+                let (child, near) = (node.child(slot), nears[slot]);
                 let mut at = height;
                 while at > bottom && waiting[at - 1].near < near {
                     waiting[at] = waiting[at - 1];
@@ -225,7 +220,7 @@ fn walk<'l, S: Instructions, const N: usize, L: PacketLeaves, Q: Query<'l, L>>(
                 for child in &mut waiting[bottom..height] {
                     let slot = child.slot as usize % N;
                     child.rays =
-                        lanes.enter(simd, &node.sides, slot, rays, query.t_max(), &mut entries[slot]);
+                        lanes.enter(simd, &node.child_sides(slot), rays, query.t_max(), &mut entries[slot]);
                 }
                 order(simd, waiting, bottom, &mut height, entries);
             }
@@ -241,9 +236,9 @@ fn walk<'l, S: Instructions, const N: usize, L: PacketLeaves, Q: Query<'l, L>>(
             height -= 1;
             let Waiting { child, parent, slot, near, rays: asked } = waiting[height];
             if near <= t_end {
-                let sides = &bvh.nodes[parent as usize].sides;
+                let sides = bvh.nodes[parent as usize].child_sides(slot as usize % N);
                 let asked = asked.and(walking);
-                rays = lanes.enter(simd, sides, slot as usize, asked, query.t_max(), &mut entries[0]);
+                rays = lanes.enter(simd, &sides, asked, query.t_max(), &mut entries[0]);
                 if !rays.is_empty() {
                     next = child;
                     break;
@@ -305,18 +300,15 @@ fn order<S: Simd>(
 
 /// Walks on with each of a few rays from a node on; answers which are done.
 #[inline(always)]
-fn one_by_one<'l, S: Instructions, const N: usize, L: PacketLeaves, Q: Query<'l, L>>(
+fn one_by_one<'l, S: Instructions, const N: usize, T: BoxLanes<S, N>, L: PacketLeaves, Q: Query<'l, L>>(
     simd: S,
-    (bvh, node): (&WideBvh<N>, ChildRef),
+    (bvh, node): (Walked<T>, ChildRef),
     leaves: &'l L,
     (lanes, rays): (&PacketLanes, Rays),
     query: &mut Q,
     alone: &mut Alone,
     probe: &mut PacketProbe,
-) -> Rays
-where
-    WideNode<N>: BoxLanes<S, N>,
-{
+) -> Rays {
     let mut done = Rays::NONE;
     for index in rays.iter() {
         let (ray, tree_ray) = (lanes.ray(index), lanes.tree_ray(index));

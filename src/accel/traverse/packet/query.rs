@@ -1,7 +1,7 @@
 //! What a packet asks: the nearest hits, or any. And what lies in the leaves, as a packet sees it.
 
 use crate::accel::simd::Instructions;
-use crate::accel::tree::{WideBvh, WideNode};
+use crate::accel::tree::Walked;
 
 use super::super::boxes::BoxLanes;
 use super::super::{LeafIntersector, RayCounters, Start, walk_below};
@@ -75,17 +75,15 @@ pub(super) trait Query<'l, L: PacketLeaves> {
     ) -> Rays;
 
     /// Walks on with one ray from a node that it enters; answers whether it is done.
-    fn alone<S: Instructions, const N: usize>(
+    fn alone<S: Instructions, const N: usize, T: BoxLanes<S, N>>(
         &mut self,
         simd: S,
-        bvh: &WideBvh<N>,
+        bvh: Walked<T>,
         start: Start,
         leaves: &'l L,
         ray: usize,
         alone: &mut Alone,
-    ) -> bool
-    where
-        WideNode<N>: BoxLanes<S, N>;
+    ) -> bool;
 }
 
 pub(super) struct Nearest<'b, 'l, L: PacketLeaves + 'l> {
@@ -113,18 +111,15 @@ impl<'l, L: PacketLeaves> Query<'l, L> for Nearest<'_, 'l, L> {
     }
 
     #[inline(always)]
-    fn alone<S: Instructions, const N: usize>(
+    fn alone<S: Instructions, const N: usize, T: BoxLanes<S, N>>(
         &mut self,
         simd: S,
-        bvh: &WideBvh<N>,
+        bvh: Walked<T>,
         start: Start,
         leaves: &'l L,
         ray: usize,
         alone: &mut Alone,
-    ) -> bool
-    where
-        WideNode<N>: BoxLanes<S, N>,
-    {
+    ) -> bool {
         let mut best = L::take_out(self.bests, ray);
         let mut query = super::super::Nearest::<L> { best: &mut best };
         walk_below(simd, bvh, start, leaves, &mut query, &mut alone.counters, &mut alone.full);
@@ -161,18 +156,15 @@ impl<'l, L: PacketLeaves, F: Fn(u32) -> bool> Query<'l, L> for Any<'_, F> {
     }
 
     #[inline(always)]
-    fn alone<S: Instructions, const N: usize>(
+    fn alone<S: Instructions, const N: usize, T: BoxLanes<S, N>>(
         &mut self,
         simd: S,
-        bvh: &WideBvh<N>,
+        bvh: Walked<T>,
         start: Start,
         leaves: &'l L,
         ray: usize,
         alone: &mut Alone,
-    ) -> bool
-    where
-        WideNode<N>: BoxLanes<S, N>,
-    {
+    ) -> bool {
         let mut query = super::super::Any { t_max: self.t_max.get(ray), blocks: self.blocks, found: None };
         walk_below(simd, bvh, start, leaves, &mut query, &mut alone.counters, &mut alone.full);
         if query.found.is_some() {
