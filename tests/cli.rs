@@ -265,6 +265,150 @@ fn sweep_is_a_tree_for_each_of_the_grid() {
 }
 
 #[test]
+fn a_sweep_goes_over_builders_widths_and_costs_and_marks_its_front() {
+    let words =
+        ["--builders", "binned,median", "--widths", "all", "--stops", "all", "--traversal-costs", "1,4"];
+    let words = [&words[..], &["--bins-grid", "8", "--leaf-grid", "4", "--json"]].concat();
+    let rows = json(&mut small("sweep", &words));
+    let rows = rows.as_array().expect("a list");
+    // Binned: limit, and cost twice; median has no costs.
+    assert_eq!(rows.len(), 3 * (3 + 1));
+    assert!(rows.iter().any(|row| row["pareto_front"] == true) && rows[0]["traversal_ms"].is_null());
+    for row in rows {
+        // All under the session's costs, 1 and 1.
+        let sum = row["inner_visits_mean"].as_f64().expect("a number")
+            + row["shape_tests_mean"].as_f64().expect("one");
+        assert!((row["ray_cost_mean"].as_f64().expect("a number") - sum).abs() < 1e-9, "{row}");
+    }
+    let page =
+        stdout(&mut small("sweep", &["--bins-grid", "8", "--leaf-grid", "1,4", "--timed", "--x", "bytes"]));
+    assert!(page.contains('•') && page.contains("traversal (ms)"), "{page}");
+    assert!(page.contains("Pareto front of memory (KiB) and ray cost"), "{page}");
+    for (flag, text, part) in [
+        ("--builders", "binned,best", "allowed are all, or some of median, sweep"),
+        ("--traversal-costs", "1,0", "numbers above 0"),
+        ("--x", "bins", "choose one of node_count"),
+        ("--find-best", "speed", "ray-cost, time"),
+        ("--out", "points.txt", "use .csv or .json"),
+    ] {
+        let code = if flag == "--out" { 1 } else { 2 };
+        let message = refusal(&mut small("sweep", &[flag, text]), code);
+        assert!(message.contains(part), "{message}");
+    }
+    assert!(
+        refusal(&mut small("sweep", &["--find-best", "time", "--bins-grid", "4"]), 2).contains("--bins-grid")
+    );
+}
+
+#[test]
+fn a_sweep_goes_on_from_its_file() {
+    let folder = folder();
+    for name in ["points.csv", "points.json"] {
+        let path = text(&folder.path().join(name));
+        let grid = |bins: &'static str| ["--bins-grid", bins, "--leaf-grid", "2,4", "--csv"];
+        small("sweep", &grid("4")).args(["--out", &path]).assert().code(0);
+        let before = stdout(&mut small("sweep", &[&grid("4")[..], &["--resume", &path]].concat()));
+        let output = small("sweep", &[&grid("4,16")[..], &["--resume", &path]].concat())
+            .assert()
+            .code(0)
+            .get_output()
+            .clone();
+        let said = String::from_utf8(output.stderr).expect("text");
+        assert!(said.contains("2 points taken") && said.contains("4 trees, 2 of them"), "{said}");
+        let printed = String::from_utf8(output.stdout).expect("text");
+        assert_eq!(printed.lines().count(), 5, "{printed}");
+        // What was measured before was not measured again: to the last digit the same times.
+        let times = |text: &str, bins: &str| -> Vec<String> {
+            let mut reader = csv::Reader::from_reader(text.as_bytes());
+            let keys = reader.headers().expect("keys").clone();
+            let at = |key: &str| keys.iter().position(|k| k == key).expect("a key");
+            let rows = reader.records().map(|r| r.expect("a row"));
+            rows.filter(|r| &r[at("bins")] == bins).map(|r| r[at("build_ms")].to_owned()).collect()
+        };
+        assert_eq!(times(&printed, "4"), times(&before, "4"));
+        if name == "points.csv" {
+            assert_eq!(fs::read_to_string(&path).expect("a file"), printed);
+        }
+        // Points of another camera are not mixed in, and not lost.
+        let mut other = small("sweep", &[&grid("4")[..], &["--resume", &path, "--count", "all"]].concat());
+        assert!(refusal(&mut other, 1).contains("4 points of another scene, camera, size or cost"));
+        let aside = text(&folder.path().join("aside.csv"));
+        small("sweep", &[&grid("4")[..], &["--resume", &path, "--count", "all", "--out", &aside]].concat())
+            .assert()
+            .code(0);
+    }
+    assert_eq!(names(folder.path()).len(), 3, "no temporary file is left");
+    assert!(
+        refusal(&mut small("sweep", &["--resume", "missing.csv"]), 1).contains("cannot read missing.csv")
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_sweep_leaves_what_is_done_and_goes_on() {
+    let folder = folder();
+    let path = folder.path().join("points.csv");
+    let words =
+        ["sweep", "soup:3000", "--size", "200x120", "--bins-grid", "2,3,4,5,6,7,8,9,10,11,12,13,14,15,16"];
+    let words =
+        [&words[..], &["--leaf-grid", "1,2,3,4,5,6,7,8", "--out", path.to_str().expect("UTF-8")]].concat();
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_bvhscope"))
+        .args(&words)
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    let start = std::time::Instant::now();
+    while !path.exists() && start.elapsed().as_secs() < 120 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(sent.expect("a signal").success());
+    let code = child.wait().expect("it ends").code();
+    let output = child.wait_with_output().expect("output");
+    let said = String::from_utf8(output.stderr).expect("text");
+    let printed = String::from_utf8(output.stdout).expect("text");
+    // A machine that is quick enough may have been done.
+    if code == Some(0) {
+        return;
+    }
+    assert!(code == Some(1) && said.contains("stopped after") && said.contains("--resume"), "{said}");
+    let rows = fs::read_to_string(&path).expect("a file").lines().count() - 1;
+    assert!(rows >= 1 && rows < 120 && printed.contains("leaf"), "{rows} rows; {printed}");
+    assert_eq!(names(folder.path()), ["points.csv"], "no temporary file is left");
+    let words =
+        ["sweep", "soup:3000", "--size", "200x120", "--bins-grid", "2", "--leaf-grid", "1,2", "--csv"];
+    let page = stdout(program(&words).args(["--resume", path.to_str().expect("UTF-8")]));
+    assert!(page.lines().count() > rows, "what was done is kept");
+}
+
+#[test]
+fn the_best_tree_is_found_and_never_worse_than_the_default() {
+    let words = ["--find-best", "ray-cost", "--budget", "30"];
+    let found = json(small("sweep", &words).arg("--json"));
+    let cost = |row: &Json| row["ray_cost_mean"].as_f64().expect("a number");
+    let (best, default) = (cost(&found["best"]), cost(&found["default"]));
+    let tried = found["tried"].as_array().expect("a list");
+    assert!(tried.len() <= 30 && tried.len() > 8);
+    assert!(tried.iter().all(|row| cost(row) >= best) && default >= best);
+    assert_eq!((&found["default"]["bins"], &found["default"]["leaf"]), (&16.into(), &2.into()));
+    if found["verdict"] == "better" {
+        assert!(best < default && found["gain_percent"].as_f64().expect("a gain") > 0.0);
+        assert_eq!(found["differences"]["ray_cost_mean"]["better"], true);
+        // The flags of the best make the tree that it says.
+        let flags = found["best"]["build_flags"].as_str().expect("flags");
+        let stats = json(small("stats", &["--json"]).args(flags.split_whitespace()));
+        assert_eq!(stats["node_count"], found["best"]["node_count"]);
+    } else {
+        assert_eq!(found["verdict"], "default-is-best");
+    }
+    let again = json(small("sweep", &words).arg("--json"));
+    assert_eq!(again["best"]["build_flags"], found["best"]["build_flags"], "counted, so the same each time");
+    let time = stdout(&mut small("sweep", &["--find-best", "time", "--frames", "3", "--budget", "4"]));
+    assert!(time.contains("Of 4 trees") && time.contains("3 frames"), "{time}");
+}
+
+#[test]
 fn compare_holds_two_settings_against_each_other() {
     let words = ["--a", "--builder median", "--b", "--builder binned --bins 8", "--json"];
     let both = json(&mut small("compare", &words));

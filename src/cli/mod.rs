@@ -9,6 +9,7 @@ mod progress;
 mod render;
 mod stats;
 mod sweep;
+mod sweep_args;
 mod table;
 mod window;
 mod workshop;

@@ -69,6 +69,11 @@ impl Workshop {
         done.map_err(|error| CliError::Failed(anyhow!(error)))
     }
 
+    /// Does work on the session's threads.
+    pub fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        self.pool.install(work)
+    }
+
     /// Builds the session's tree.
     pub fn build(&self) -> Result<World, CliError> {
         let what = format!("building a tree over {} shapes", self.scene.shape_count());

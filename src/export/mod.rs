@@ -5,6 +5,7 @@ pub mod atomic;
 pub mod exr;
 pub mod legend;
 pub mod png;
+pub mod points;
 pub mod raw_csv;
 pub mod ray_file;
 pub mod session_file;

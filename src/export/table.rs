@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 
 use crate::accel::build::BuildPhase;
 use crate::accel::quality::{DepthLevel, SahCost};
-use crate::inspect::columns::{COLUMNS, Column, DASH, TreeRecord, best_rows, comparing};
+use crate::inspect::columns::{COLUMNS, Column, DASH, Row, TreeRecord, best_rows, comparing};
 use crate::inspect::compare::{ComparedFigure, Comparison};
 use crate::inspect::prediction::{Forecast, Prediction, agreement};
 use crate::inspect::stats::TreeStats;
@@ -108,12 +108,19 @@ pub fn agreements(rows: &[TreeStats]) -> String {
     aligned(std::iter::once(heading).chain(kinds).collect(), lines)
 }
 
-/// Trees as the rows, the given columns as the columns.
-pub fn people_by_rows(rows: &[TreeStats], columns: &[&Column]) -> String {
+/// Trees as the rows, the given columns as the columns, with a dot before the rows of a front.
+pub fn people_with_front<R: Row>(rows: &[R], columns: &[&Column], front: &[usize]) -> String {
     let lines = rows.iter().enumerate().map(|(i, row)| {
         let cell = |column: &&Column| {
             let mark = if best_rows(rows, column).contains(&i) { " *" } else { "  " };
-            if column.is_text() { column.shown(row) } else { column.shown(row) + mark }
+            let shown = column.shown(row);
+            if column.key == "name" {
+                format!("{} {shown}", if front.contains(&i) { "•" } else { " " })
+            } else if column.is_text() {
+                shown
+            } else {
+                shown + mark
+            }
         };
         columns.iter().map(cell).collect()
     });
@@ -121,7 +128,7 @@ pub fn people_by_rows(rows: &[TreeStats], columns: &[&Column]) -> String {
 }
 
 /// Trees as the rows of a Markdown table, best values in bold.
-pub fn markdown(rows: &[TreeStats]) -> String {
+pub fn markdown<R: Row>(rows: &[R]) -> String {
     let columns: Vec<_> = comparing().collect();
     let lines = rows.iter().enumerate().map(|(i, row)| {
         let cell = |column: &&Column| {
@@ -144,9 +151,14 @@ pub fn people_one(stats: &TreeStats) -> String {
 
 /// A against B, a line a figure; equal settings are left out.
 pub fn compared(comparison: &Comparison) -> String {
-    let heading = ["", "A", "B", "B - A", "percent", ""].map(str::to_owned).to_vec();
+    compared_figures(&comparison.rows, ["A", "B", "B - A"])
+}
+
+/// The same under other headings of the two and their difference.
+pub fn compared_figures(rows: &[ComparedFigure], [a, b, difference]: [&str; 3]) -> String {
+    let heading = ["", a, b, difference, "percent", ""].map(str::to_owned).to_vec();
     let shown = |row: &&ComparedFigure| !(row.is_equal() && row.difference.is_none_or(|d| d == 0.0));
-    let lines = comparison.rows.iter().filter(shown).map(|row| {
+    let lines = rows.iter().filter(shown).map(|row| {
         let verdict = row.better.map_or("", |better| if better { "better" } else { "worse" });
         vec![
             row.column.heading(),

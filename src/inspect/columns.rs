@@ -28,6 +28,17 @@ pub enum Better {
     Neither,
 }
 
+/// What has a value in every column: a tree that was measured, or what was kept of one.
+pub trait Row {
+    fn value(&self, column: &Column) -> Value;
+}
+
+impl Row for TreeStats {
+    fn value(&self, column: &Column) -> Value {
+        (column.value)(self)
+    }
+}
+
 /// One column of every table of trees.
 #[derive(Debug)]
 pub struct Column {
@@ -243,7 +254,7 @@ pub fn comparing() -> impl Iterator<Item = &'static Column> {
 
 /// The rows that are best in a column: several if they are equal; none where no value is better than another, or only
 /// one row has a value.
-pub fn best_rows(rows: &[TreeStats], column: &Column) -> Vec<usize> {
+pub fn best_rows<R: Row>(rows: &[R], column: &Column) -> Vec<usize> {
     let values: Vec<Option<f64>> = rows.iter().map(|row| column.value(row).number()).collect();
     let known = || values.iter().copied().flatten();
     let lowest = known().reduce(f64::min);
@@ -265,8 +276,8 @@ impl Column {
         COLUMNS.iter().find(|c| c.key == key)
     }
 
-    pub fn value(&self, stats: &TreeStats) -> Value {
-        (self.value)(stats)
+    pub fn value(&self, row: &impl Row) -> Value {
+        row.value(self)
     }
 
     /// Whether it holds words, not numbers: set flush left.
@@ -284,8 +295,8 @@ impl Column {
     }
 
     /// The value for people: rounded, with thousands set apart by a comma, in the unit of the heading.
-    pub fn shown(&self, stats: &TreeStats) -> String {
-        self.show(&self.value(stats))
+    pub fn shown(&self, row: &impl Row) -> String {
+        self.show(&self.value(row))
     }
 
     /// A value of this column for people.

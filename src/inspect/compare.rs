@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-use super::columns::{Better, COLUMNS, Column, Value};
+use super::columns::{Better, COLUMNS, Column, Row, Value};
 use super::stats::TreeStats;
 
 /// A, B, and what differs.
@@ -37,14 +37,18 @@ impl PartialEq for ComparedFigure {
 impl Comparison {
     /// Holds two trees against each other, column by column (all but their names).
     pub fn of(a: TreeStats, b: TreeStats) -> Self {
-        let rows =
-            COLUMNS.iter().filter(|c| c.key != "name").map(|c| ComparedFigure::of(c, &a, &b)).collect();
+        let rows = ComparedFigure::all(&a, &b);
         Self { a, b, rows }
     }
 }
 
 impl ComparedFigure {
-    fn of(column: &'static Column, a: &TreeStats, b: &TreeStats) -> Self {
+    /// Every column of both but their names.
+    pub fn all(a: &impl Row, b: &impl Row) -> Vec<Self> {
+        COLUMNS.iter().filter(|c| c.key != "name").map(|c| Self::of(c, a, b)).collect()
+    }
+
+    fn of(column: &'static Column, a: &impl Row, b: &impl Row) -> Self {
         let (a, b) = (column.value(a), column.value(b));
         let numbers = a.number().zip(b.number());
         let difference = numbers.map(|(a, b)| b - a);

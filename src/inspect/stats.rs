@@ -102,8 +102,23 @@ impl Measurement<'_> {
     /// # Errors
     /// [`Cancelled`] when the task was.
     pub fn of(&self, name: &str, config: &BuildConfig, task: &Task) -> Result<TreeStats, Cancelled> {
+        self.weighed(name, config, [config.traversal_cost, config.intersection_cost], task)
+    }
+
+    /// As [`Measurement::of`], with every figure under the costs `[C_t, C_i]`, whatever costs the tree was built with:
+    /// so that figures of trees built with different costs can be compared.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when the task was.
+    pub fn weighed(
+        &self,
+        name: &str,
+        config: &BuildConfig,
+        costs: [f32; 2],
+        task: &Task,
+    ) -> Result<TreeStats, Cancelled> {
         let mut reports = Vec::new();
-        let world = loop {
+        let mut world = loop {
             let world = World::build(Arc::clone(self.scene), config, &task.step())?;
             task.advance(1);
             reports.push(world.report.clone());
@@ -114,9 +129,10 @@ impl Measurement<'_> {
         reports.sort_by(|a, b| a.build_ms.total_cmp(&b.build_ms));
         let median = &reports[reports.len() / 2];
         let step = task.step();
+        world.weigh(costs);
         let stats = tree_stats(name, &world, self.camera, self.settings, self.count, self.timed, &step)?;
         task.advance(1);
-        Ok(TreeStats { build_ms: median.build_ms, phases: median.phases.clone(), ..stats })
+        Ok(TreeStats { config: *config, build_ms: median.build_ms, phases: median.phases.clone(), ..stats })
     }
 }
 
@@ -124,6 +140,30 @@ impl Measurement<'_> {
 pub(crate) mod tests {
     use super::*;
     use crate::accel::quality::SahCost;
+
+    #[test]
+    fn figures_can_be_weighed_by_other_costs_than_the_tree_was_built_with() {
+        let scene = Arc::new(crate::scene::builtin::make("soup:300").expect("a built-in scene"));
+        let settings = RenderSettings { width: 16, height: 9, ..RenderSettings::default() };
+        let (camera, count) = (&scene.camera, CountKind::Camera);
+        let measurement =
+            Measurement { scene: &scene, camera, settings: &settings, count, timed: false, builds: 1 };
+        let config = BuildConfig { traversal_cost: 3.0, intersection_cost: 0.5, ..BuildConfig::default() };
+        let measure = |costs| measurement.weighed("A", &config, costs, &Task::new()).expect("nobody cancels");
+        let (own, plain) = (measure([3.0, 0.5]), measure([1.0, 1.0]));
+        assert_eq!(own.figures, measurement.of("A", &config, &Task::new()).expect("no cancel").figures);
+        assert_eq!((own.config, plain.config), (config, config), "it says what the tree was built with");
+        let sah = |stats: &TreeStats| stats.figures.sah_cost.expect("it has an area");
+        assert!((sah(&own).inner / sah(&plain).inner - 3.0).abs() < 1e-9);
+        assert!((sah(&own).leaf / sah(&plain).leaf - 0.5).abs() < 1e-9);
+        let rays = |c_t: f64, c_i: f64| {
+            let rays = &plain.rays;
+            c_t * rays.inner_visits_mean.expect("rays") + c_i * rays.shape_tests_mean.expect("rays")
+        };
+        for (stats, expected) in [(&own, rays(3.0, 0.5)), (&plain, rays(1.0, 1.0))] {
+            assert!((stats.rays.ray_cost_mean.expect("rays") - expected).abs() < 1e-9);
+        }
+    }
 
     /// Figures made up for tests of what is done with figures.
     pub fn example(name: &str) -> TreeStats {

@@ -122,6 +122,26 @@ pub fn flag_words(session: &Session) -> Vec<String> {
     words
 }
 
+/// Sets what words like those of [`flag_words`] say.
+///
+/// # Errors
+/// [`FlagError`] of the first word that is none; the session then has what the words before it say.
+pub fn read_words(session: &mut Session, words: &[String]) -> Result<(), FlagError> {
+    let mut words = words.iter();
+    while let Some(word) = words.next() {
+        let name = word.strip_prefix("--").unwrap_or(word);
+        let (name, value) = name.split_once('=').map_or((name, None), |(name, value)| (name, Some(value)));
+        let flag = find(name)?;
+        let value = match value {
+            Some(value) => value,
+            None if flag.is_switch() => "on",
+            None => words.next().map_or("", String::as_str),
+        };
+        flag.read(session, value)?;
+    }
+    Ok(())
+}
+
 /// The scene as a word that is read back as the same scene: a file that is called like a built-in scene, or begins with
 /// a dash, is named through its folder.
 fn scene_word(scene: &SceneRef) -> String {
@@ -214,6 +234,23 @@ mod tests {
             command_line(&session, "my picture.png"),
             "bvhscope render bunny --out 'my picture.png' --bins 8 --view nodes-visited --leaves-only"
         );
+    }
+
+    #[test]
+    fn flag_words_are_read_back() {
+        let mut session = Session { view: View::RayCost, ground: true, ..Session::default() };
+        session.build_mut().leaf = 7;
+        session.overlay.leaves_only = true;
+        let mut read = Session::default();
+        read_words(&mut read, &flag_words(&session)).expect("its own words");
+        assert_eq!(read, session);
+        for (words, message) in
+            [("--nothing 3", "there is no flag --nothing"), ("--leaf", "--leaf '': "), ("x", "no flag --x")]
+        {
+            let words: Vec<_> = words.split(' ').map(str::to_owned).collect();
+            let error = read_words(&mut Session::default(), &words).expect_err(message).to_string();
+            assert!(error.contains(message), "{error}");
+        }
     }
 
     #[test]

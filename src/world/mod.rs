@@ -84,6 +84,17 @@ impl World {
         })
     }
 
+    /// Takes all figures, also those of rays that are counted from here on, under the costs `[C_t, C_i]` instead of those
+    /// that the tree was built with.
+    pub fn weigh(&mut self, [traversal_cost, intersection_cost]: [f32; 2]) {
+        let config = &mut self.report.config;
+        if [config.traversal_cost, config.intersection_cost] != [traversal_cost, intersection_cost] {
+            (config.traversal_cost, config.intersection_cost) = (traversal_cost, intersection_cost);
+            self.figures = TreeFigures::measure(&self.tree, traversal_cost, intersection_cost);
+            self.epo = OnceLock::new();
+        }
+    }
+
     /// Tree and primitive store together, ready to trace, in bytes.
     pub fn bytes(&self) -> usize {
         self.tree.bytes() + self.store.bytes()
