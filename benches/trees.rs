@@ -58,6 +58,11 @@ fn trees(width: Width) -> Vec<(String, BuildConfig)> {
         improved(Builder::Ploc),
         improved(Builder::Spatial),
     ];
+    for builder in [Builder::Binned, Builder::Ploc] {
+        let (name, config) = improved(builder);
+        let name = format!("{name}, shapes cut in advance");
+        trees.push((name, BuildConfig { pre_split: 0.5, ..config }));
+    }
     trees.extend(Builder::ALL.into_iter().filter(|builder| builder.is_peer()).map(plain));
     trees
 }

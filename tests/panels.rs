@@ -13,7 +13,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use bvhscope::accel::{Builder, Layout, Width};
 use bvhscope::app::commands::SaveTarget;
 use bvhscope::app::panels::PanelKind;
-use bvhscope::app::view::{CompareStyle, TableState};
+use bvhscope::app::view::{CompareStyle, Stale, SweepState, TableState};
 use bvhscope::render::{BoxStyle, View};
 use bvhscope::scene::{SceneRef, UpAxis};
 use bvhscope::world::NodeFigure;
@@ -454,6 +454,99 @@ fn the_table_is_measured_stopped_used_and_copied() {
     let program = harness.state();
     assert_eq!((program.session.build().builder, program.session.build().width), (Builder::Sweep, Width::W4));
     assert!(program.copied.starts_with('|') && program.copied.contains("QBVH_BIN"), "{}", program.copied);
+}
+
+#[test]
+fn a_sweep_is_set_up_started_held_and_gone_on_with() {
+    let mut program = Program::full(PanelKind::Sweep, true);
+    program.sweep = SweepState::default();
+    let mut harness = program.harness([WIDTHS[0], HEIGHT]);
+    harness.get_by_label_contains("40 trees");
+    harness.get_by_label("Sweep Builder median").click();
+    harness.get_by_label("Sweep Width 8").click();
+    harness.run();
+    harness.get_by_label_contains("90 trees");
+    harness.get_by_label("Start").click();
+    harness.run();
+    harness.state_mut().sweep = SweepState {
+        running: Some(job("sweep: 8 bins, leaf 4", Some(0.3))),
+        left: Some(std::time::Duration::from_secs(75)),
+        done: 27,
+        total: 90,
+        ..SweepState::default()
+    };
+    harness.run();
+    harness.get_by_label_contains("27 of 90 trees, about 1 min 10 s left");
+    if let Some(picture) = picture(&mut harness) {
+        keep(&picture, "Sweep-running");
+    }
+    harness.get_by_label("Pause").click();
+    harness.run();
+    harness.state_mut().sweep = SweepState { can_resume: true, done: 27, total: 90, ..SweepState::default() };
+    harness.run();
+    harness.get_by_label_contains("Paused after 27 of 90 trees");
+    harness.get_by_label("Resume").click();
+    harness.run();
+    let asked = &harness.state().asked;
+    assert_eq!(*asked, ["sweep of 90 trees", "pause sweep true", "pause sweep false"]);
+}
+
+#[test]
+fn a_wrong_list_is_said_and_starts_nothing() {
+    let mut harness = panel(PanelKind::Sweep);
+    harness.get_by_role_and_label(Role::TextInput, "Bins").focus();
+    harness.run();
+    harness.get_by_role_and_label(Role::TextInput, "Bins").type_text(", 999");
+    harness.run();
+    harness.get_by_label_contains("'999' is not allowed there");
+    assert!(harness.get_by_label("Start").accesskit_node().is_disabled());
+}
+
+#[test]
+fn points_are_loaded_from_plot_and_table_and_the_best_from_its_button() {
+    let mut program = Program::full(PanelKind::Sweep, true);
+    program.sweep.stale = Some(Stale::View);
+    let mut harness = program.harness([WIDTHS[1], HEIGHT]);
+    harness.get_by_label_contains("through another camera");
+    harness.get_by_label("Sort by build (ms)").click();
+    harness.run();
+    let first = harness.get_all_by_label_contains("Point ").next().expect("a row");
+    let name = first.accesskit_node().label().unwrap_or_default();
+    first.click();
+    harness.run();
+    let chosen = *harness.state().session.build();
+    let point = harness.state().sweep.points.iter().find(|p| p.config == chosen).expect("a point").clone();
+    assert_eq!(name, format!("Point {}", point.name()));
+    let quickest = harness.state().sweep.points.iter().filter_map(|p| p.number("build_ms"));
+    assert_eq!(point.number("build_ms"), quickest.reduce(f64::min), "sorted by build time");
+    let best = harness.state().sweep.best.clone().expect("a search");
+    if best.verdict == bvhscope::inspect::best::Verdict::Better {
+        harness.get_by_label("Load it").click();
+        harness.run();
+        assert_eq!(*harness.state().session.build(), best.best.config);
+    }
+    // Somewhere on the plot there is a point.
+    harness.state_mut().edits = 0;
+    let chart = harness.get_by_label("Plot").rect();
+    let found = (0..400).any(|i| {
+        let at = pos2(
+            chart.left() + chart.width() * (0.05 + 0.9 * (i % 20) as f32 / 20.0),
+            chart.top() + chart.height() * (0.05 + 0.9 * (i / 20) as f32 / 20.0),
+        );
+        harness.hover_at(at);
+        harness.step();
+        harness.drag_at(at);
+        harness.drop_at(at);
+        harness.step();
+        harness.state().edits > 0
+    });
+    assert!(found, "a click on a point loads it");
+    harness.get_by_label("Find the best").click();
+    harness.get_by_label("Copy as CSV").click();
+    harness.run();
+    let program = harness.state();
+    assert!(program.asked.iter().any(|a| a.starts_with("search of ")), "{:?}", program.asked);
+    assert_eq!(program.copied.lines().count(), 1 + program.sweep.points.len());
 }
 
 #[test]

@@ -59,6 +59,9 @@ impl Target<'_> {
             Command::SetPaused(paused) => self.state.paused = paused,
             Command::MeasureTable => self.jobs.memo.table.wanted = true,
             Command::CancelTable => stages::table::cancel(self.jobs, self.state),
+            Command::StartSweep(plan) => stages::sweep::begin(self.jobs, self.state, *plan),
+            Command::SetSweepPaused(paused) => stages::sweep::set_paused(self.jobs, paused),
+            Command::ClearSweep => stages::sweep::clear(self.jobs, self.state),
             Command::ShadowPreset => self.shadow_preset(),
             Command::SetCompareViews(compare) => {
                 self.changed();

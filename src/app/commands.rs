@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use crate::scene::SceneRef;
 use crate::session::Session;
 
+use super::jobs::sweep::SweepPlan;
 use super::panels::PanelKind;
 use super::view::CompareViews;
 
@@ -40,6 +41,10 @@ pub enum Command {
     /// Measures the five trees anew; stops doing so.
     MeasureTable,
     CancelTable,
+    /// Measures the points of a plan; holds the sweep or lets it go on; forgets it.
+    StartSweep(Box<SweepPlan>),
+    SetSweepPaused(bool),
+    ClearSweep,
     /// Sets view, camera and scene so that the false shadow on the glossy floor is seen.
     ShadowPreset,
     /// Shows two views at once in the viewport; `None` goes back to the session's one.
@@ -72,11 +77,13 @@ pub enum SaveTarget {
     Window,
     Raw,
     Figures,
+    Sweep,
     Session,
 }
 
 impl SaveTarget {
-    pub const ALL: [Self; 5] = [Self::Picture, Self::Window, Self::Raw, Self::Figures, Self::Session];
+    pub const ALL: [Self; 6] =
+        [Self::Picture, Self::Window, Self::Raw, Self::Figures, Self::Sweep, Self::Session];
 
     /// What the file is, as in a dialog's title.
     pub fn name(self) -> &'static str {
@@ -85,6 +92,7 @@ impl SaveTarget {
             Self::Window => "window",
             Self::Raw => "raw film",
             Self::Figures => "figures",
+            Self::Sweep => "points of the sweep",
             Self::Session => "session",
         }
     }
@@ -95,6 +103,7 @@ impl SaveTarget {
             Self::Picture | Self::Window => &["png"],
             Self::Raw => &["exr", "csv"],
             Self::Figures => &["json", "csv"],
+            Self::Sweep => &["csv", "json"],
             Self::Session => &["ron"],
         }
     }
@@ -111,6 +120,8 @@ pub enum ExportRequest {
     Raw { path: PathBuf },
     /// The figures of the current tree: `.json` or `.csv`.
     Figures { path: PathBuf },
+    /// The points of the sweep: `.csv` or `.json`.
+    Sweep { path: PathBuf },
 }
 
 /// The commands of one frame.

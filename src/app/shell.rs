@@ -112,6 +112,7 @@ impl App {
         self.jobs.is_idle()
             && !stages::curve::waits(&self.jobs, &now)
             && !stages::table::waits(&self.jobs, &now)
+            && !stages::sweep::waits(&self.jobs)
     }
 
     fn now(&self) -> Now {
@@ -235,11 +236,15 @@ impl App {
             after(SETTLE);
         }
         let state = &self.state;
-        let statuses = [&state.loading, &state.building, &state.exporting, &state.table.running];
+        let statuses =
+            [&state.loading, &state.building, &state.exporting, &state.table.running, &state.sweep.running];
         if statuses.into_iter().any(Option::is_some) {
             after(Duration::from_millis(100));
         }
-        if stages::table::waits(&self.jobs, now) || stages::curve::waits(&self.jobs, now) {
+        let waits = stages::table::waits(&self.jobs, now)
+            || stages::curve::waits(&self.jobs, now)
+            || stages::sweep::waits(&self.jobs);
+        if waits {
             after(Duration::from_millis(200));
         }
     }

@@ -16,7 +16,7 @@ use super::messages::Messages;
 use super::theme::Palette;
 use super::view::{
     AppView, BinCurve, CompareStyle, CompareViews, HistoryEntry, Hover, JobStatus, RenderStatus, ShadowState,
-    TableState,
+    SweepState, TableState,
 };
 use crate::inspect::prediction::Forecast;
 use crate::render::film::FilmSubject;
@@ -87,6 +87,7 @@ pub struct State {
     pub curve_key: Option<CurveKey>,
     pub table: TableState,
     pub table_key: Option<TableKey>,
+    pub sweep: SweepState,
     pub shadow: ShadowState,
     pub shadow_key: Option<ShadowKey>,
     pub compare: Option<CompareViews>,
@@ -129,6 +130,7 @@ impl State {
             curve_key: None,
             table: TableState::default(),
             table_key: None,
+            sweep: SweepState::default(),
             shadow: ShadowState::default(),
             shadow_key: None,
             compare: None,
@@ -290,6 +292,7 @@ impl State {
             forecasts: &self.forecasts,
             bin_curve: &self.curve,
             table: &self.table,
+            sweep: &self.sweep,
             shadow: &self.shadow,
             compare: self.compare,
             render: self.render_status(),

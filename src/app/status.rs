@@ -33,6 +33,8 @@ pub fn line(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
         job(ui, view.building.as_ref(), "Cancel building", commands, || Command::CancelBuild);
         job(ui, view.exporting.as_ref(), "Cancel exporting", commands, || Command::CancelExport);
         job(ui, view.table.running.as_ref(), "Cancel measuring", commands, || Command::CancelTable);
+        let pause = || Command::SetSweepPaused(true);
+        job(ui, view.sweep.running.as_ref(), "Pause the sweep", commands, pause);
         // Last, as what it says can do without its end.
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| open(ui, view));
     });

@@ -4,11 +4,14 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::accel::BuildConfig;
+use crate::export::points::Question;
+use crate::inspect::best::Best;
 use crate::inspect::bin_sweep::BinPoint;
 use crate::inspect::histogram::Histogram;
 use crate::inspect::prediction::Forecast;
 use crate::inspect::shadow_difference::ClassCounts;
 use crate::inspect::stats::TreeStats;
+use crate::inspect::sweep::SweepPoint;
 use crate::render::measure::RayFigures;
 use crate::render::{Film, Overlay, View};
 use crate::scene::{Scene, SceneRef};
@@ -53,6 +56,7 @@ pub struct AppView<'a> {
     pub forecasts: &'a [Forecast],
     pub bin_curve: &'a BinCurve,
     pub table: &'a TableState,
+    pub sweep: &'a SweepState,
     pub shadow: &'a ShadowState,
     /// Two views at once in the viewport; `None`: the session's one.
     pub compare: Option<CompareViews>,
@@ -147,6 +151,39 @@ pub struct TableState {
     pub running: Option<JobStatus>,
     /// Whether scene, camera or settings have changed since the rows were measured.
     pub stale: bool,
+}
+
+/// Points of a sweep, and how it comes on.
+#[derive(Clone, Debug, Default)]
+pub struct SweepState {
+    pub points: Vec<SweepPoint>,
+    /// What they were measured on.
+    pub question: Option<Question>,
+    pub best: Option<Best>,
+    pub running: Option<JobStatus>,
+    /// It goes on as soon as nothing changes any more.
+    pub waiting: bool,
+    /// It was held before its end.
+    pub can_resume: bool,
+    pub finished: bool,
+    /// A search, which ends when it has found something; `total` is then its limit.
+    pub search: bool,
+    pub done: usize,
+    pub total: usize,
+    /// Of the sweep that is on.
+    pub left: Option<Duration>,
+    /// What a point took so far, in the mean.
+    pub a_point: Option<Duration>,
+    pub stale: Option<Stale>,
+}
+
+/// What has changed since points were measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stale {
+    /// Another scene, or another moment of it.
+    Scene,
+    /// Camera, size or rays.
+    View,
 }
 
 /// What the shadow views say of the current picture; filled while the Shadows panel is open.

@@ -4,17 +4,22 @@ use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
-use bvhscope::accel::{BuildConfig, Width};
+use bvhscope::accel::{BuildConfig, Builder, Width};
 use bvhscope::app::commands::{Command, Commands, SaveTarget};
 use bvhscope::app::panels::{PanelKind, Panels};
 use bvhscope::app::theme::{self, Palette};
 use bvhscope::app::view::{
-    AppView, BinCurve, CompareViews, HistoryEntry, Hover, JobStatus, RenderStatus, ShadowState, TableState,
+    AppView, BinCurve, CompareViews, HistoryEntry, Hover, JobStatus, RenderStatus, ShadowState, SweepState,
+    TableState,
 };
+use bvhscope::export::points::Question;
+use bvhscope::inspect::best::{Objective, Search};
 use bvhscope::inspect::bin_sweep::measure_bins;
 use bvhscope::inspect::histogram::Histogram;
 use bvhscope::inspect::prediction::Forecast;
 use bvhscope::inspect::shadow_difference::{ClassCounts, shadow_nodes_mean};
+use bvhscope::inspect::stats::Measurement;
+use bvhscope::inspect::sweep::{SweepGrid, Sweeper};
 use bvhscope::inspect::table::five_trees;
 use bvhscope::render::display::effective_range;
 use bvhscope::render::integrate::render;
@@ -41,6 +46,7 @@ pub struct Measured {
     /// Of `history`.
     forecasts: Vec<Forecast>,
     table: TableState,
+    sweep: SweepState,
     shadow: ShadowState,
 }
 
@@ -106,13 +112,52 @@ fn measure() -> Measured {
     let soup = Arc::new(builtin::make("soup:300").expect("a built-in scene"));
     let rows = five_trees(&soup, &soup.camera, &BuildConfig::default(), &settings, &task, &mut |_| ());
     let table = TableState { rows: rows.expect("nobody cancels"), running: None, stale: true };
+    let sweep = swept(&soup, &settings, &task);
     let rule = Session::default().shadow_rule;
     let subject = Session { view: View::ShadowDifference, ..Session::default() }.film_subject();
     let classes = render(subject, &world, &camera, &settings, 1, &task).expect("nobody cancels");
     let nodes_mean = shadow_nodes_mean(&world, &camera, &settings, rule, 1, &task).expect("nobody cancels");
     let shadow = ShadowState { counts: ClassCounts::of(&classes), nodes_mean, running: false };
     let rays = count(&world);
-    Measured { scene, world, rays, film, histogram, overlay, history, bin_curve, forecasts, table, shadow }
+    Measured {
+        scene,
+        world,
+        rays,
+        film,
+        histogram,
+        overlay,
+        history,
+        bin_curve,
+        forecasts,
+        table,
+        sweep,
+        shadow,
+    }
+}
+
+/// A finished search over a small scene.
+fn swept(scene: &Arc<Scene>, settings: &RenderSettings, task: &Task) -> SweepState {
+    let (camera, count) = (&scene.camera, CountKind::Camera);
+    let measurement = Measurement { scene, camera, settings, count, timed: false, builds: 1 };
+    let sweeper = Sweeper { measurement, costs: [1.0, 1.0], known: &[] };
+    let base = BuildConfig::default();
+    let builders = vec![Builder::Binned, Builder::Lbvh, Builder::Median];
+    let grid = SweepGrid { builders, bins: vec![4, 16, 64], ..SweepGrid::around(&base) };
+    let points = sweeper.grid(&grid, &base, task, &mut |_| ()).expect("nobody cancels");
+    let search = Search { budget: 20, ..Search::around(&base, Objective::RayCost) };
+    let measure = &mut |name: &str, config: &BuildConfig, fresh: bool| {
+        sweeper.point(name, config, fresh, task, &mut |_| ())
+    };
+    let best = search.run(&base, task, measure).expect("nobody cancels");
+    SweepState {
+        total: points.len(),
+        done: points.len(),
+        points,
+        question: Some(Question::new(&Session::default(), camera)),
+        best: Some(best),
+        finished: true,
+        ..SweepState::default()
+    }
 }
 
 fn measured() -> &'static Measured {
@@ -135,6 +180,7 @@ pub struct Program {
     pub compare: Option<CompareViews>,
     pub range_locked: bool,
     pub table: TableState,
+    pub sweep: SweepState,
     warnings: Vec<String>,
     recent: Vec<SceneRef>,
     /// All commands that were not edits, in order, in words.
@@ -162,6 +208,7 @@ impl Program {
             loaded: true,
             world: Some(Arc::clone(&m.world)),
             table: m.table.clone(),
+            sweep: m.sweep.clone(),
             warnings: vec!["12 faces with fewer than three corners were left out".to_owned()],
             recent: vec![
                 SceneRef::File("/home/someone/models/a long folder name/sponza.obj".into()),
@@ -186,6 +233,7 @@ impl Program {
             compare: None,
             range_locked: false,
             table: TableState::default(),
+            sweep: SweepState::default(),
             warnings: Vec::new(),
             recent: Vec::new(),
             asked: Vec::new(),
@@ -248,6 +296,7 @@ impl Program {
             forecasts: m.map_or(&[], |m| &m.forecasts),
             bin_curve: m.map_or(&NO_CURVE, |m| &m.bin_curve),
             table: &self.table,
+            sweep: &self.sweep,
             shadow: m.map_or(&NO_SHADOW, |m| &m.shadow),
             compare: self.compare,
             render: RenderStatus { samples: 12, size: [960, 540], ..RenderStatus::default() },
@@ -288,6 +337,12 @@ impl Program {
             Command::CancelExport => "cancel export".to_owned(),
             Command::MeasureTable => "measure table".to_owned(),
             Command::CancelTable => "cancel table".to_owned(),
+            Command::StartSweep(plan) => {
+                let what = if plan.search.is_some() { "search" } else { "sweep" };
+                format!("{what} of {} trees", plan.grid.count(&plan.base))
+            }
+            Command::SetSweepPaused(paused) => format!("pause sweep {paused}"),
+            Command::ClearSweep => "clear sweep".to_owned(),
             Command::ShadowPreset => "shadow preset".to_owned(),
             _ => "another".to_owned(),
         };

@@ -122,6 +122,31 @@ fn a_counter_chosen_in_the_heatmap_is_counted_and_shown() {
 }
 
 #[test]
+fn a_sweep_is_measured_and_a_point_of_it_loaded() {
+    let mut window = window("soup:300", SIZE);
+    window.state_mut().layout_mut().show(PanelKind::Sweep, true);
+    settle(&mut window);
+    window.get_by_label("Start").click();
+    settle(&mut window);
+    let points = window.state().state().sweep.points.clone();
+    assert_eq!(points.len(), 40, "the whole grid");
+    assert!(points.iter().all(|p| p.number("ray_cost_mean").is_some()));
+    keep(&mut window, "Window-sweep");
+    let other = points.iter().find(|p| p.config != *window.state().state().session.build());
+    let other = other.expect("another tree").config;
+    window
+        .state_mut()
+        .push(bvhscope::app::commands::Command::Edit(Box::new(move |s| *s.build_mut() = other)));
+    settle(&mut window);
+    assert_eq!(window.state().state().document.as_ref().map(|d| d.tree.config), Some(other));
+    assert_eq!(window.state().state().sweep.points.len(), 40, "the points stay");
+    assert_eq!(window.state().state().sweep.stale, None, "they are of this scene and view");
+    window.state_mut().push(bvhscope::app::commands::Command::OpenScene(SceneRef::Builtin("cornell".into())));
+    settle(&mut window);
+    assert_eq!(window.state().state().sweep.stale, Some(bvhscope::app::view::Stale::Scene));
+}
+
+#[test]
 fn every_panel_shows_in_the_window() {
     let mut window = window("bunny", SIZE);
     for kind in PanelKind::ALL {

@@ -10,9 +10,12 @@ use super::gate::OnLease;
 use super::newest::Patience;
 use super::{Job, PoolKind, Run};
 use crate::export::legend::Legend;
+use crate::export::points::{self, Question};
 use crate::export::{atomic, exr, raw_csv, session_file};
-use crate::inspect::columns::{COLUMNS, TreeRecord};
+use crate::inspect::columns::{COLUMNS, Column, TreeRecord};
+use crate::inspect::pareto::front;
 use crate::inspect::stats::{TreeStats, tree_stats};
+use crate::inspect::sweep::SweepPoint;
 use crate::render::display::picture;
 use crate::render::integrate::render;
 use crate::render::overlay::{compose, draw_boxes, first_hit_distances};
@@ -49,6 +52,11 @@ pub enum ExportContent {
     Figures {
         world: Arc<World>,
         camera: Camera,
+    },
+    /// With the front of build time and ray cost marked.
+    Sweep {
+        points: Arc<Vec<SweepPoint>>,
+        question: Box<Question>,
     },
     Session,
 }
@@ -102,6 +110,10 @@ fn write(run: &Run<ExportWork, ExportDone>) -> Result<(), String> {
                 other => return Err(unknown_extension(path, other, "json or .csv")),
             };
             atomic::write_bytes(path, text.as_bytes()).map_err(say)
+        }
+        ExportContent::Sweep { points, question } => {
+            let columns = ["build_ms", "ray_cost_mean"].map(|key| Column::of(key).expect("a column's key"));
+            points::save(path, points, &front(points, &columns), question).map_err(say)
         }
         ExportContent::Session => session_file::save(session, path).map_err(say),
     }

@@ -16,6 +16,7 @@ pub mod pools;
 pub mod present;
 pub mod render;
 pub mod shadow;
+pub mod sweep;
 pub mod table;
 
 use std::sync::{Arc, Mutex};

@@ -46,6 +46,7 @@ impl ExportPanel {
         for (target, term) in [
             (SaveTarget::Raw, Term::RawFile),
             (SaveTarget::Figures, Term::FiguresFile),
+            (SaveTarget::Sweep, Term::SweepFile),
             (SaveTarget::Window, Term::WindowFile),
         ] {
             widgets::term_section(ui, term);
@@ -53,6 +54,7 @@ impl ExportPanel {
                 commands.push(Command::Export(match target {
                     SaveTarget::Raw => ExportRequest::Raw { path },
                     SaveTarget::Figures => ExportRequest::Figures { path },
+                    SaveTarget::Sweep => ExportRequest::Sweep { path },
                     SaveTarget::Window | SaveTarget::Picture | SaveTarget::Session => {
                         ExportRequest::Window { path }
                     }
@@ -161,7 +163,9 @@ impl ExportPanel {
         let row = vec2(ui.available_width(), widgets::ROW_HEIGHT);
         ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
             let name = target.name();
-            let ready = !text.trim().is_empty() && view.exporting.is_none() && view.scene.is_some();
+            let is_there = target != SaveTarget::Sweep || !view.sweep.points.is_empty();
+            let ready =
+                is_there && !text.trim().is_empty() && view.exporting.is_none() && view.scene.is_some();
             let button = ui.add_enabled(ready, Button::new("Save"));
             save = button.accessible_name(format!("Save the {name}")).clicked();
             let browse = ui.button("…").on_hover_text("Chooses where to save.");
@@ -195,6 +199,7 @@ fn suggestion(session: &Session, target: SaveTarget) -> String {
         SaveTarget::Picture | SaveTarget::Raw => format!("{scene}-{}.{extension}", session.view.name()),
         SaveTarget::Window => format!("{scene}-window.{extension}"),
         SaveTarget::Figures => format!("{scene}-{}.{extension}", session.build().builder.name()),
+        SaveTarget::Sweep => format!("{scene}-sweep.{extension}"),
         SaveTarget::Session => format!("{scene}.{extension}"),
     }
 }

@@ -162,6 +162,22 @@ glossary! {
     // Table
     FiveTrees "Five trees" "Median, full sweep and binned builds at widths 2 and 4, on this scene and view, with all rays of a Whitted frame counted."
 
+    // Sweep
+    SweepGrid "Grid" "Trees of all combinations of these settings, each built, and its rays counted, on this scene and view."
+    BinsList "Bins" "Numbers of bins, with commas between; only the builders binned and spatial have bins."
+    LeafList "Leaf limits" "Leaf limits, with commas between."
+    TraversalList "C_t" "Traversal costs, with commas between; only the stop rule cost and optimal widening weigh them."
+    TimedFrames "Time frames" "Times a Whitted frame with every tree, too, which takes several times as long."
+    FindBest "Find the best" "Searches bins, leaf limit and costs of the chosen builders and widths for the best tree of this scene and view."
+    Objective "Least" "What is to be least: the measured ray cost, or the time of a build and the rays of so many frames."
+    Frames "Frames" "For how many frames the tree is built: their rays' times are added to the build's."
+    SweepPlot "Plot" "Each point is a tree: the line joins the Pareto front, which no other tree beats in both figures."
+    PlotX "Across" "The figure from left to right."
+    PlotY "Up" "The figure from bottom to top."
+    PlotColor "Colour" "The figure that the points' colours tell."
+    SweepPoints "Points" "Every tree of the sweep; a click on a heading sorts, a click on a tree loads its settings."
+    SweepFile "Points of the sweep" "All points of the Sweep panel as CSV or JSON by the file's ending, which the command sweep can resume."
+
     // Export
     PictureSize "Size" "The picture is rendered at this size, not scaled to it."
     PictureWidth "Picture width" "In pixels."

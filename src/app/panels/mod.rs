@@ -13,6 +13,7 @@ mod prediction;
 mod range_bars;
 mod scene;
 mod shadows;
+mod sweep;
 mod table;
 mod widgets;
 
@@ -34,11 +35,12 @@ pub enum PanelKind {
     Cost,
     Shadows,
     Table,
+    Sweep,
     Export,
 }
 
 impl PanelKind {
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Scene,
         Self::Build,
         Self::Boxes,
@@ -46,6 +48,7 @@ impl PanelKind {
         Self::Cost,
         Self::Shadows,
         Self::Table,
+        Self::Sweep,
         Self::Export,
     ];
 
@@ -58,6 +61,7 @@ impl PanelKind {
             Self::Cost => "Cost",
             Self::Shadows => "Shadows",
             Self::Table => "Table",
+            Self::Sweep => "Sweep",
             Self::Export => "Export",
         }
     }
@@ -73,6 +77,7 @@ pub struct Panels {
     cost: cost::CostPanel,
     shadows: shadows::ShadowsPanel,
     table: table::TablePanel,
+    sweep: sweep::SweepPanel,
     export: export::ExportPanel,
 }
 
@@ -91,6 +96,7 @@ impl Panels {
                     PanelKind::Cost => self.cost.ui(ui, view, commands),
                     PanelKind::Shadows => self.shadows.ui(ui, view, commands),
                     PanelKind::Table => self.table.ui(ui, view, commands),
+                    PanelKind::Sweep => self.sweep.ui(ui, view, commands),
                     PanelKind::Export => self.export.ui(ui, view, commands),
                 }
             });

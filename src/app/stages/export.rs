@@ -65,6 +65,14 @@ pub fn export(jobs: &mut Jobs, state: &mut State, ctx: &egui::Context, request: 
             let session = sized(&session, film.width, film.height, film.samples);
             (path, session, ExportContent::Raw { film })
         }
+        ExportRequest::Sweep { path } => {
+            let Some(question) = state.sweep.question.clone() else {
+                state.messages.error("There are no points yet: start a sweep first.");
+                return;
+            };
+            let points = Arc::new(state.sweep.points.clone());
+            (path, session, ExportContent::Sweep { points, question: Box::new(question) })
+        }
         ExportRequest::Figures { path } => (path, session, ExportContent::Figures { world, camera }),
         ExportRequest::Window { .. } => unreachable!("handled above"),
     };

@@ -10,6 +10,7 @@ pub mod load;
 mod overlay;
 mod picture;
 mod shadow;
+pub mod sweep;
 pub mod table;
 
 use std::time::Instant;
@@ -25,6 +26,7 @@ use super::jobs::overlay::OverlayJob;
 use super::jobs::present::PresentJob;
 use super::jobs::render::Renderer;
 use super::jobs::shadow::ShadowJob;
+use super::jobs::sweep::SweepJob;
 use super::jobs::table::TableJob;
 use super::jobs::{Context, TreeKey};
 use super::layout::Layout;
@@ -45,6 +47,7 @@ pub struct Jobs {
     pub forecast: ForecastJob,
     pub curve: CurveJob,
     pub table: TableJob,
+    pub sweep: SweepJob,
     pub shadow: ShadowJob,
     pub export: ExportJob,
     pub dialogs: Dialogs,
@@ -63,6 +66,7 @@ pub struct Memo {
     forecast: forecast::ForecastMemo,
     pub curve: curve::CurveMemo,
     pub table: table::TableMemo,
+    pub sweep: sweep::SweepMemo,
     pub shadow: Option<super::jobs::shadow::ShadowKey>,
     pub export: export::ExportMemo,
 }
@@ -109,6 +113,7 @@ impl Jobs {
             forecast: super::jobs::forecast::job(),
             curve: bin_curve::job(),
             table: super::jobs::table::job(),
+            sweep: super::jobs::sweep::job(),
             shadow: super::jobs::shadow::job(),
             export: super::jobs::export::job(),
             dialogs: Dialogs::default(),
@@ -126,6 +131,7 @@ impl Jobs {
         forecast::receive(self, state);
         curve::receive(self, state);
         table::receive(self, state, now);
+        sweep::receive(self, state);
         shadow::receive(self, state);
         export::receive(self, state);
         self.report_bugs(state);
@@ -142,6 +148,7 @@ impl Jobs {
         forecast::start(self, state, now);
         curve::start(self, state, now);
         table::start(self, state, now);
+        sweep::start(self, state, now);
         shadow::start(self, state, now);
         state.loading = self.load.status(|r| r.what());
         state.building = self.build.status(|r| super::jobs::build::what(&r.session));
@@ -159,6 +166,7 @@ impl Jobs {
             && self.forecast.is_idle()
             && self.curve.is_idle()
             && self.table.is_idle()
+            && self.sweep.is_idle()
             && self.shadow.is_idle()
             && self.export.is_idle()
             && self.memo.export.is_empty()
@@ -176,6 +184,7 @@ impl Jobs {
             ("measuring predictions", self.forecast.take_failure()),
             ("measuring the bins", self.curve.take_failure()),
             ("measuring the table", self.table.take_failure()),
+            ("sweeping", self.sweep.take_failure()),
             ("counting shadows", self.shadow.take_failure()),
             ("exporting", self.export.take_failure()),
         ];
