@@ -5,6 +5,8 @@
 
 #[path = "panels/fixture.rs"]
 mod fixture;
+#[path = "panels/trees.rs"]
+mod trees;
 #[path = "panels/window.rs"]
 mod window;
 

@@ -1,6 +1,9 @@
 //! Every builder, width, way of widening and query against testing every shape, on random and degenerate scenes: the
 //! same shape at the same t, to the last bit, whatever the tree.
 
+#[path = "exchange/shapes_of_trees.rs"]
+mod shapes_of_trees;
+
 use std::f32::consts::FRAC_PI_2;
 use std::sync::Arc;
 
@@ -9,13 +12,15 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
 use bvhscope::accel::simd::SimdLevel;
-use bvhscope::accel::{BuildConfig, Builder, Layout, RayCounters, StopRule, Widen, Width, validate};
+use bvhscope::accel::{BuildConfig, Builder, Layout, RawTree, RayCounters, StopRule, Widen, Width, validate};
 use bvhscope::geometry::{
-    Cuboid, Hit, Plane, PreparedRay, Quad, Ray, Rigid, Shape, ShapeHit, ShapeKind, Sphere, Torus, Triangle,
+    Aabb, Cuboid, Hit, Plane, PreparedRay, Quad, Ray, Rigid, Shape, ShapeHit, ShapeKind, Sphere, Torus,
+    Triangle,
 };
 use bvhscope::scene::{Color, Material, MaterialKind, MeshTriangle, Scene, ShadowRule, ShapeSlot};
 use bvhscope::task::Task;
-use bvhscope::world::{Packets, World};
+use bvhscope::world::{Packets, TreeFile, World};
+use shapes_of_trees::{list, widened};
 
 /// Materials of every test scene, by index.
 const DIFFUSE: u32 = 0;
@@ -338,6 +343,43 @@ fn every_tree_answers_every_query_as_testing_every_shape_does() {
             for e in &expected {
                 check(&world, e, &format!("in '{}' with {config:?}", scene.name));
             }
+        }
+    }
+}
+
+/// Trees from elsewhere: sixteen slots a node, and lists, at every level of instructions, rays alone and in packets.
+#[test]
+fn imported_trees_answer_every_query_as_testing_every_shape_does() {
+    let levels = || SimdLevel::ALL.into_iter().filter(|level| level.is_available());
+    for scene in scenes() {
+        let scene = Arc::new(scene);
+        let expected: Vec<Expected> =
+            rays(&scene, 300).into_iter().map(|ray| expected(&scene, ray)).collect();
+        let mut all = coherent_rays(&scene);
+        all.truncate(3000);
+        let binary = build(&scene, &BuildConfig { width: Width::W2, leaf: 1, ..BuildConfig::default() });
+        let boxes = scene.shape_bounds();
+        let mut trees = vec![("wide", widened(&RawTree::of(&binary.tree), 16))];
+        if boxes.len() > 1 {
+            trees.push(("list", list(&boxes)));
+        }
+        for ((name, raw), simd) in trees.iter().flat_map(|tree| levels().map(move |simd| (tree, simd))) {
+            let file = TreeFile {
+                path: "t.npz".into(),
+                name: (*name).to_owned(),
+                raw: raw.clone(),
+                triangle_count: None,
+                content_hash: String::new(),
+            };
+            let config = BuildConfig { simd, ..BuildConfig::default() };
+            let world = World::with_tree(Arc::clone(&scene), Arc::new(file), &config, &Task::new());
+            let world = world.expect("nobody cancels");
+            let context = format!("in '{}', a {name}, {simd:?}", scene.name);
+            assert!(world.traced_file().is_some(), "{context}: {:?}", world.imported);
+            for e in &expected {
+                check(&world, e, &context);
+            }
+            check_packets(&world, &all, &context);
         }
     }
 }

@@ -172,7 +172,7 @@ fn one_variant() -> impl Strategy<Value = Session> {
                 ground,
                 up,
                 camera: camera.map(|camera| Camera { up, ..camera }),
-                variants: vec![Variant { name: "A".to_owned(), build }],
+                variants: vec![Variant { name: "A".to_owned(), build, tree: None }],
                 view,
                 count,
                 shadow_rule,
@@ -187,8 +187,11 @@ fn one_variant() -> impl Strategy<Value = Session> {
 
 /// Any session: several variants, and a scene that is remembered.
 fn any_session() -> impl Strategy<Value = Session> {
-    let variant =
-        ("[^\\x00-\\x1f\\x7f-\\x9f]{1,20}", build()).prop_map(|(name, build)| Variant { name, build });
+    let variant = ("[^\\x00-\\x1f\\x7f-\\x9f]{1,20}", build()).prop_map(|(name, build)| Variant {
+        name,
+        build,
+        tree: None,
+    });
     let variants = (proptest::collection::vec(variant, 1..6), any::<prop::sample::Index>());
     let remembered = (option::of("[0-9a-f]{64}"), option::of(any::<u32>()));
     (one_variant(), variants, remembered).prop_map(|(session, (variants, active), (hash, count))| Session {

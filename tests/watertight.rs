@@ -5,6 +5,9 @@
 //!
 //!     BVHSCOPE_WATERTIGHT_RAYS=10000000 cargo test --release --test watertight
 
+#[path = "exchange/shapes_of_trees.rs"]
+mod shapes_of_trees;
+
 use std::collections::{HashMap, HashSet};
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -16,10 +19,12 @@ use rayon::prelude::*;
 
 use bvhscope::accel::BuildConfig;
 use bvhscope::accel::simd::SimdLevel;
-use bvhscope::geometry::{Ray, ShapeKind};
+use bvhscope::accel::{RawTree, Width};
+use bvhscope::geometry::{Aabb, Ray, ShapeKind};
 use bvhscope::scene::{Color, Material, MaterialKind, Mesh, Scene, ShapeSlot};
 use bvhscope::task::Task;
-use bvhscope::world::{Packets, World};
+use bvhscope::world::{Packets, TreeFile, World};
+use shapes_of_trees::widened;
 
 /// Rays in each mesh where the environment does not say how many: a few seconds without optimisation.
 const DEFAULT_RAYS: usize = 60_000;
@@ -182,13 +187,30 @@ fn worlds(mesh: &ClosedMesh) -> Vec<(BuildConfig, World)> {
             ..BuildConfig::default()
         })
     });
-    configs
+    let mut worlds: Vec<_> = configs
         .map(|config| {
             let world = World::build(Arc::clone(&scene), &config, &Task::new()).expect("nobody cancels");
             assert_eq!(world.simd_level(), config.simd);
             (config, world)
         })
-        .collect()
+        .collect();
+    // And a tree of sixteen slots a node, which comes from elsewhere.
+    let wide = worlds.iter().filter(|(config, _)| config.width == Width::W2).map(|(config, world)| {
+        let file = TreeFile {
+            path: "wide.npz".into(),
+            name: "wide.npz".to_owned(),
+            raw: widened(&RawTree::of(&world.tree), 16),
+            triangle_count: None,
+            content_hash: String::new(),
+        };
+        let world = World::with_tree(Arc::clone(&scene), Arc::new(file), config, &Task::new());
+        let world = world.expect("nobody cancels");
+        assert!(world.traced_file().is_some() && world.tree.width() == 16);
+        (*config, world)
+    });
+    let wide: Vec<_> = wide.collect();
+    worlds.extend(wide);
+    worlds
 }
 
 fn check(shot: &Shot, world: &World, config: &BuildConfig) {

@@ -250,7 +250,7 @@ impl CompressedBvh {
     }
 
     pub fn walked(&self) -> Walked<'_, CompressedNode> {
-        Walked { root: self.root, bounds: &self.bounds, nodes: &self.nodes }
+        Walked { root: self.root, bounds: &self.bounds, nodes: &self.nodes, depth_max: self.depth_max }
     }
 }
 

@@ -6,6 +6,7 @@ mod bvh2;
 mod choices;
 pub mod compressed;
 pub mod config;
+pub mod exchange;
 mod optimize;
 mod optimum;
 pub mod quality;
@@ -21,5 +22,6 @@ pub use compressed::CompressedBvh;
 pub use config::{
     Block, BuildConfig, Builder, ConfigError, Improver, Layout, Morton, StopRule, Widen, Width,
 };
+pub use exchange::{FormError, RawTree};
 pub use traverse::{LeafIntersector, Probe, RayCounters};
 pub use tree::{ChildRef, NodeId, NodeKind, NodeView, Nodes, Tree, WideBvh};

@@ -7,7 +7,7 @@ use glam::Vec3;
 use crate::geometry::Aabb;
 
 use super::compressed::CompressedBvh;
-use super::config::{Layout, Width};
+use super::config::Layout;
 
 /// A child slot: nothing, an inner node, or a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -147,7 +147,7 @@ impl<const N: usize> WideBvh<N> {
     }
 
     pub fn walked(&self) -> Walked<'_, WideNode<N>> {
-        Walked { root: self.root, bounds: &self.bounds, nodes: &self.nodes }
+        Walked { root: self.root, bounds: &self.bounds, nodes: &self.nodes, depth_max: self.depth_max }
     }
 }
 
@@ -157,6 +157,8 @@ pub struct Walked<'a, T> {
     pub root: ChildRef,
     pub bounds: &'a Aabb,
     pub nodes: &'a [T],
+    /// Of the deepest leaf.
+    pub depth_max: u32,
 }
 
 impl<T> Clone for Walked<'_, T> {
@@ -284,6 +286,8 @@ pub enum Tree {
     W4(WideBvh<4>),
     W8(WideBvh<8>),
     C8(CompressedBvh),
+    /// Only from elsewhere: no builder makes them.
+    W16(WideBvh<16>),
 }
 
 /// Inner nodes come first (`0..inner_count`), then leaves.
@@ -319,22 +323,25 @@ macro_rules! each_width {
             $crate::accel::Tree::W4($t) => $body,
             $crate::accel::Tree::W8($t) => $body,
             $crate::accel::Tree::C8($t) => $body,
+            $crate::accel::Tree::W16($t) => $body,
         }
     };
 }
 
 impl Tree {
-    pub fn width(&self) -> Width {
+    /// How many children its nodes have room for.
+    pub fn width(&self) -> usize {
         match self {
-            Self::W2(_) => Width::W2,
-            Self::W4(_) => Width::W4,
-            Self::W8(_) | Self::C8(_) => Width::W8,
+            Self::W2(_) => 2,
+            Self::W4(_) => 4,
+            Self::W8(_) | Self::C8(_) => 8,
+            Self::W16(_) => 16,
         }
     }
 
     pub fn layout(&self) -> Layout {
         match self {
-            Self::W2(_) | Self::W4(_) | Self::W8(_) => Layout::Full,
+            Self::W2(_) | Self::W4(_) | Self::W8(_) | Self::W16(_) => Layout::Full,
             Self::C8(_) => Layout::Compressed,
         }
     }
@@ -372,6 +379,7 @@ impl Tree {
             Self::W2(t) => Cow::Borrowed(&t.leaves),
             Self::W4(t) => Cow::Borrowed(&t.leaves),
             Self::W8(t) => Cow::Borrowed(&t.leaves),
+            Self::W16(t) => Cow::Borrowed(&t.leaves),
             Self::C8(t) => (0..t.leaf_count() as u32).map(|leaf_idx| t.leaf_range(leaf_idx)).collect(),
         }
     }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use glam::Vec3;
 
-use super::commands::{Command, ExportRequest};
+use super::commands::{Command, ExportRequest, Mark};
 use super::jobs::dialog::{DialogAnswer, Purpose};
 use super::jobs::load::Source;
 use super::layout::Layout;
@@ -14,7 +14,9 @@ use super::stages::{self, Jobs};
 use super::state::State;
 use super::theme;
 use super::theme::Palette;
+use super::view::Marked;
 use crate::export::session_file;
+use crate::export::tree_file::is_tree_path;
 use crate::render::View;
 use crate::scene::{Camera, SceneRef, ShadowRule, UpAxis};
 use crate::session::{Session, SessionScene};
@@ -44,6 +46,11 @@ impl Target<'_> {
             Command::OpenScene(scene) => self.open(Source::Scene(scene)),
             Command::OpenSession(path) => self.open(Source::SessionFile(path)),
             Command::SaveSession(path) => self.save_session(path),
+            Command::ImportTree(path) => self.open(Source::Tree(path)),
+            Command::AskImport => self.jobs.dialogs.ask_import(&self.jobs.context),
+            Command::BuildOwnTree => self.edit(Box::new(|session| session.set_tree(None))),
+            Command::Mark(mark) => self.mark(mark),
+            Command::FrameMarked => self.frame_marked(),
             Command::AskOpen => self.jobs.dialogs.ask_open(&self.jobs.context),
             Command::AskSavePath { target, suggested } => {
                 self.jobs.dialogs.ask_save(&self.jobs.context, target, &suggested);
@@ -85,6 +92,8 @@ impl Target<'_> {
     pub fn open_path(&mut self, path: PathBuf) {
         if session_file::is_session_path(&path) {
             self.open(Source::SessionFile(path));
+        } else if is_tree_path(&path) {
+            self.open(Source::Tree(path));
         } else {
             self.open(Source::Scene(SceneRef::File(path)));
         }
@@ -185,6 +194,18 @@ impl Target<'_> {
     fn frame_scene(&mut self) {
         let Some(document) = &self.state.document else { return };
         let camera = Camera::framing(&document.world.tree.bounds(), self.state.session.up);
+        self.edit(Box::new(move |session| session.camera = Some(camera)));
+    }
+
+    fn mark(&mut self, mark: Option<Mark>) {
+        let world = self.state.document.as_ref().map(|document| &document.world);
+        self.state.marked = mark.and_then(|mark| Marked::of(mark, world?));
+        self.changed();
+    }
+
+    fn frame_marked(&mut self) {
+        let Some(bounds) = self.state.marked.as_ref().and_then(Marked::around) else { return };
+        let camera = Camera::framing(&bounds, self.state.session.up);
         self.edit(Box::new(move |session| session.camera = Some(camera)));
     }
 

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::accel::validate::At;
+use crate::export::tree_file;
 use crate::scene::SceneRef;
 use crate::session::Session;
 
@@ -21,6 +23,16 @@ pub enum Command {
     SaveSession(PathBuf),
     /// Shows the system's file dialog for a scene or a session to open, off the window's thread.
     AskOpen,
+    /// A tree from another program.
+    ImportTree(PathBuf),
+    /// Shows the system's file dialog for one, off the window's thread.
+    AskImport,
+    /// Goes back from the tree of a file to the one that is built.
+    BuildOwnTree,
+    /// Shows a node, a leaf or a shape in the viewport.
+    Mark(Option<Mark>),
+    /// Frames the camera to what is marked.
+    FrameMarked,
     /// Shows the system's file dialog for a file to write, off the window's thread. The answer goes to
     /// [`Panels::path_chosen`](super::panels::Panels::path_chosen); nothing is written yet.
     AskSavePath {
@@ -70,6 +82,14 @@ pub enum Command {
     },
 }
 
+/// What can be marked in the viewport.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// By the index in the tree's file.
+    Item(At),
+    Shape(u32),
+}
+
 /// What a path to write to was asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SaveTarget {
@@ -79,11 +99,12 @@ pub enum SaveTarget {
     Figures,
     Sweep,
     Session,
+    Tree,
 }
 
 impl SaveTarget {
-    pub const ALL: [Self; 6] =
-        [Self::Picture, Self::Window, Self::Raw, Self::Figures, Self::Sweep, Self::Session];
+    pub const ALL: [Self; 7] =
+        [Self::Picture, Self::Window, Self::Raw, Self::Figures, Self::Sweep, Self::Session, Self::Tree];
 
     /// What the file is, as in a dialog's title.
     pub fn name(self) -> &'static str {
@@ -94,6 +115,7 @@ impl SaveTarget {
             Self::Figures => "figures",
             Self::Sweep => "points of the sweep",
             Self::Session => "session",
+            Self::Tree => "tree",
         }
     }
 
@@ -105,6 +127,7 @@ impl SaveTarget {
             Self::Figures => &["json", "csv"],
             Self::Sweep => &["csv", "json"],
             Self::Session => &["ron"],
+            Self::Tree => &tree_file::EXTENSIONS,
         }
     }
 }
@@ -122,6 +145,8 @@ pub enum ExportRequest {
     Figures { path: PathBuf },
     /// The points of the sweep: `.csv` or `.json`.
     Sweep { path: PathBuf },
+    /// The tree that is traced, for other programs: `.npz` or `.json`.
+    Tree { path: PathBuf },
 }
 
 /// The commands of one frame.

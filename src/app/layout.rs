@@ -47,6 +47,7 @@ impl Pane {
             Self::Panel(PanelKind::Shadows) => "what an early-out shadow query gets wrong, and what it saves",
             Self::Panel(PanelKind::Table) => "five trees side by side on this scene",
             Self::Panel(PanelKind::Sweep) => "many trees on this scene, plotted, and the best of them",
+            Self::Panel(PanelKind::TreeFile) => "a tree from another program, and what is wrong with it",
             Self::Panel(PanelKind::Export) => "pictures and figures as files",
         }
     }
@@ -173,7 +174,7 @@ pub fn simplification() -> SimplificationOptions {
 /// At the left the settings of tree and boxes, in the middle the picture, at the right what the tree costs, with the
 /// whole height for its plots. What is needed less often lies behind tabs.
 fn default_tree() -> Tree<Pane> {
-    use PanelKind::{Boxes, Build, Cost, Export, Heatmap, Scene, Shadows, Sweep, Table};
+    use PanelKind::{Boxes, Build, Cost, Export, Heatmap, Scene, Shadows, Sweep, Table, TreeFile};
     let mut tiles = Tiles::default();
     let tabs = |tiles: &mut Tiles<Pane>, kinds: &[PanelKind]| {
         let children = kinds.iter().map(|k| tiles.insert_pane(Pane::Panel(*k))).collect();
@@ -187,7 +188,7 @@ fn default_tree() -> Tree<Pane> {
     let left = tiles.insert_container(left);
     let viewport = tiles.insert_pane(Pane::Viewport);
     let viewport = tiles.insert_tab_tile(vec![viewport]);
-    let right = tabs(&mut tiles, &[Cost, Table, Sweep, Shadows]);
+    let right = tabs(&mut tiles, &[Cost, Table, Sweep, Shadows, TreeFile]);
     let mut columns = Linear::new(LinearDir::Horizontal, vec![left, viewport, right]);
     columns.shares.set_share(left, LEFT_WIDTH);
     columns.shares.set_share(viewport, 1280.0 - LEFT_WIDTH - RIGHT_WIDTH);

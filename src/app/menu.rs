@@ -43,6 +43,13 @@ fn file(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
     {
         commands.push(Command::AskOpen);
     }
+    if ui
+        .button("Import tree…")
+        .on_hover_text("A tree that another program built (NPZ, JSON): checked, shown, measured and compared")
+        .clicked()
+    {
+        commands.push(Command::AskImport);
+    }
     ui.menu_button("Open built-in scene", |ui| {
         for (name, about) in SCENES {
             if ui.button(name).on_hover_text(about).clicked() {

@@ -302,7 +302,7 @@ fn paint_drop_target(ui: &Ui) {
     painter.text(
         rect.center(),
         egui::Align2::CENTER_CENTER,
-        "Drop to open: a model, a session, or a PNG that carries one",
+        "Drop to open: a model, a session, a PNG that carries one, or a tree",
         egui::FontId::proportional(18.0),
         egui::Color32::WHITE,
     );

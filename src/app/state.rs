@@ -15,15 +15,15 @@ use super::jobs::{OverlayKey, SceneKey, TreeKey};
 use super::messages::Messages;
 use super::theme::Palette;
 use super::view::{
-    AppView, BinCurve, CompareStyle, CompareViews, HistoryEntry, Hover, JobStatus, RenderStatus, ShadowState,
-    SweepState, TableState,
+    AppView, BinCurve, CompareStyle, CompareViews, HistoryEntry, Hover, JobStatus, Marked, RenderStatus,
+    ShadowState, SweepState, TableState,
 };
 use crate::inspect::prediction::Forecast;
 use crate::render::film::FilmSubject;
 use crate::render::measure::RayFigures;
 use crate::render::{DisplaySettings, Overlay};
 use crate::scene::{Camera, Scene, SceneRef};
-use crate::session::{Session, prepare};
+use crate::session::{Session, TreeRef, prepare};
 use crate::world::World;
 
 /// The camera counts as moving for this long after it moved.
@@ -92,6 +92,7 @@ pub struct State {
     pub shadow_key: Option<ShadowKey>,
     pub compare: Option<CompareViews>,
     pub hover: Option<Hover>,
+    pub marked: Option<Marked>,
     pub animating: bool,
     pub paused: bool,
     /// The range of the colour map, held while a slider of the Build panel is.
@@ -135,6 +136,7 @@ impl State {
             shadow_key: None,
             compare: None,
             hover: None,
+            marked: None,
             animating: false,
             paused: false,
             held_range: None,
@@ -231,6 +233,9 @@ impl State {
         self.history.push(HistoryEntry {
             number: self.last_number,
             config: key.config,
+            tree: world
+                .traced_file()
+                .map(|file| TreeRef { path: file.path.clone(), content_hash: file.content_hash.clone() }),
             scene: world.scene.name.clone(),
             build_ms: world.report.build_ms,
             sah_cost: figures.sah_cost.map(|c| c.total()),
@@ -286,6 +291,7 @@ impl State {
             range: picture.and_then(|p| p.frame.presented.range),
             range_locked: self.held_range.is_some(),
             hover: self.hover,
+            marked: self.marked.as_ref(),
             overlay: self.boxes.as_ref().map(|b| &*b.overlay),
             rays: rays.map(|(_, rays)| rays),
             forecast: self.forecast(),

@@ -4,7 +4,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::accel::BuildConfig;
+use crate::accel::exchange::Place;
+use crate::accel::validate::At;
 use crate::export::points::Question;
+use crate::geometry::Aabb;
 use crate::inspect::best::Best;
 use crate::inspect::bin_sweep::BinPoint;
 use crate::inspect::histogram::Histogram;
@@ -15,9 +18,10 @@ use crate::inspect::sweep::SweepPoint;
 use crate::render::measure::RayFigures;
 use crate::render::{Film, Overlay, View};
 use crate::scene::{Scene, SceneRef};
-use crate::session::Session;
+use crate::session::{Session, TreeRef};
 use crate::world::World;
 
+use super::commands::Mark;
 use super::theme::Palette;
 
 /// Everything a panel may look at while it draws.
@@ -47,6 +51,8 @@ pub struct AppView<'a> {
     /// Whether the range is held because a slider of the Build panel is being dragged.
     pub range_locked: bool,
     pub hover: Option<Hover>,
+    /// A node, leaf or shape that stands out in the viewport.
+    pub marked: Option<&'a Marked>,
     pub overlay: Option<&'a Overlay>,
     /// Camera rays of the newest tree, counted.
     pub rays: Option<&'a RayFigures>,
@@ -79,6 +85,8 @@ pub struct HistoryEntry {
     /// Counts up from 1.
     pub number: usize,
     pub config: BuildConfig,
+    /// The file that the tree is from, if it was not built.
+    pub tree: Option<TreeRef>,
     pub scene: String,
     pub build_ms: f64,
     pub sah_cost: Option<f64>,
@@ -90,6 +98,45 @@ pub struct HistoryEntry {
     pub depth_mean: Option<f64>,
     /// Tree and shapes ready to trace.
     pub bytes: usize,
+}
+
+/// A node or a leaf of the tree of a file, or a shape, with the boxes that stand out in the viewport.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Marked {
+    pub mark: Mark,
+    /// Its box; `None` where it has none that can be shown.
+    pub bounds: Option<Aabb>,
+    pub parent: Option<At>,
+    pub parent_bounds: Option<Aabb>,
+}
+
+impl Marked {
+    /// `None` for what does not exist.
+    pub fn of(mark: Mark, world: &World) -> Option<Self> {
+        let shown = |bounds: Aabb| (bounds.is_finite() && !bounds.is_empty()).then_some(bounds);
+        let nothing = Self { mark, bounds: None, parent: None, parent_bounds: None };
+        match mark {
+            Mark::Shape(shape) => {
+                let exists = (shape as usize) < world.scene.shape_count();
+                exists.then(|| Self { bounds: shown(world.scene.shape(shape).bounds()), ..nothing })
+            }
+            Mark::Item(at) => {
+                let Place { bounds, parent } = world.imported.as_ref()?.file.raw.place_of(at)?;
+                Some(Self {
+                    bounds: bounds.and_then(shown),
+                    parent: parent.map(|(at, _)| at),
+                    parent_bounds: parent.and_then(|(_, bounds)| bounds).and_then(shown),
+                    ..nothing
+                })
+            }
+        }
+    }
+
+    /// What the camera is framed to.
+    pub fn around(&self) -> Option<Aabb> {
+        let boxes = [self.bounds, self.parent_bounds].into_iter().flatten();
+        boxes.reduce(|a, b| a.union(b))
+    }
 }
 
 /// Two views at once in the viewport.

@@ -9,11 +9,12 @@ use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command};
 
 use super::CliError;
-use super::{bench, compare, list, output, render, sweep};
+use super::{bench, compare, export_tree, import, list, output, render, sweep};
 use crate::export::session_file;
 use crate::scene::SceneRef;
-use crate::session::Session;
+use crate::scene::load::TreeFormat;
 use crate::session::flags::{Flag, flags};
+use crate::session::{Session, SessionScene};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -22,6 +23,7 @@ Examples:
   bvhscope picture.png                          the window, showing what a saved picture shows
   bvhscope render --out heat.png --view nodes-visited --boxes 0..4
   bvhscope table soup:100000 --json
+  bvhscope import tree.npz                      checks and measures a tree from another program
   bvhscope compare --a '--builder median' --b '--builder binned --bins 8'
 
 Exit codes: 0 done, 1 failed, 2 wrong usage.";
@@ -46,6 +48,8 @@ pub fn program() -> Command {
             with_session(output::with_formats(sweep::command())),
             with_session(output::with_formats(bench::command())),
             with_session(output::with_formats(compare::command())),
+            with_session(output::with_formats(import::command())),
+            with_session(export_tree::command()),
             list::command(),
         ])
 }
@@ -57,10 +61,10 @@ fn with_session(command: Command) -> Command {
         .arg(
             Arg::new("SCENE")
                 .value_parser(ValueParser::path_buf())
-                .help("A model, a session (.ron, or a .png that bvhscope wrote), or a built-in scene (see: bvhscope list scenes)")
+                .help("A model, a session (.ron, or a .png that bvhscope wrote), a tree (.npz, .json), or a built-in scene (see: bvhscope list scenes)")
                 .long_help(
-                    "A model (.obj .ply .stl .gltf .glb), a session (.ron, or a .png that bvhscope wrote), or the name of \
-                     a built-in scene, as bunny or soup:1000000; bvhscope list scenes shows them. Default: bunny",
+                    "A model (.obj .ply .stl .gltf .glb), a session (.ron, or a .png that bvhscope wrote), a tree with its \
+                     triangles (.npz .json), or the name of a built-in scene, as bunny or soup:1000000; bvhscope list scenes shows them. Default: bunny",
                 ),
         )
         .arg(
@@ -128,9 +132,28 @@ pub fn session(matches: &ArgMatches) -> Result<Session, CliError> {
             session.scene.content_hash.clear();
             session.scene.shape_count = None;
         }
+        if TreeFormat::of(scene).is_some() {
+            session.set_tree(Some(scene.clone()));
+        }
     }
     apply_flags(&mut session, matches)?;
+    if scene.is_none() && file.is_none() && given(matches, "tree") {
+        show_shapes_of_tree(&mut session);
+    }
     Ok(session)
+}
+
+/// Without a scene beside it, a tree comes with its shapes.
+pub fn show_shapes_of_tree(session: &mut Session) {
+    if let Some(tree) = session.tree() {
+        session.scene =
+            SessionScene { reference: SceneRef::File(tree.path.clone()), ..SessionScene::default() };
+    }
+}
+
+/// Whether a flag was given by the user.
+fn given(matches: &ArgMatches, flag: &str) -> bool {
+    matches.value_source(flag) == Some(ValueSource::CommandLine)
 }
 
 /// Applies flags alone, given as one text: what `compare` takes for A and B.
@@ -149,7 +172,7 @@ pub fn apply_text(session: &mut Session, text: &str, name: &'static str) -> Resu
 
 fn apply_flags(session: &mut Session, matches: &ArgMatches) -> Result<(), CliError> {
     for flag in flags() {
-        if matches.value_source(flag.name) == Some(ValueSource::CommandLine) {
+        if given(matches, flag.name) {
             let text = matches.get_one::<String>(flag.name).expect("a flag that was given has a value");
             flag.read(session, text).map_err(|error| usage(ErrorKind::ValueValidation, error.to_string()))?;
         }

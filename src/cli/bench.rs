@@ -142,6 +142,7 @@ fn every_tree(session: &Session) -> Vec<Session> {
         if !BuildConfig::NODES.contains(&(width, build.layout)) {
             build.layout = Layout::Full;
         }
+        session.set_tree(None);
         session
     };
     trees.map(with).collect()
@@ -246,10 +247,11 @@ struct TreeSettings<'a> {
     name: &'a str,
     builder: &'static str,
     width: usize,
-    bins: usize,
-    leaf: usize,
+    /// Of a tree from a file they are not known, as in the other commands.
+    bins: Option<usize>,
+    leaf: Option<usize>,
     node_count: usize,
-    build_ms: f64,
+    build_ms: Option<f64>,
     bytes: usize,
     widen: &'static str,
     stop: &'static str,
@@ -269,17 +271,17 @@ struct TreeSettings<'a> {
 
 impl<'a> TreeSettings<'a> {
     fn of(workshop: &'a Workshop, world: &'a World) -> Self {
-        let build = &world.report.config;
+        let (build, is_built) = (&world.report.config, world.traced_file().is_none());
         Self {
             scene: &world.scene.name,
             shape_count: world.scene.shape_count(),
             name: &workshop.session.variants[workshop.session.active].name,
-            builder: build.builder.name(),
-            width: build.width.get(),
-            bins: build.bins,
-            leaf: build.leaf,
+            builder: world.builder_name(),
+            width: world.width(),
+            bins: is_built.then_some(build.bins),
+            leaf: is_built.then_some(build.leaf),
             node_count: world.figures.node_count,
-            build_ms: world.report.build_ms,
+            build_ms: is_built.then_some(world.report.build_ms),
             bytes: world.bytes(),
             widen: build.widen.name(),
             stop: build.stop.name(),
@@ -336,7 +338,7 @@ impl BenchedTree {
 
     fn people(&self) -> String {
         let Self { world, one_thread_ms, rows, .. } = self;
-        let build = &world.report.config;
+        let made = if world.traced_file().is_some() { "checked" } else { "built" };
         let columns = if rows.iter().any(|row| row.mismatches.is_some()) { 8 } else { 7 };
         let cells = |row: &Row| {
             let mut cells = row.cells(|value| format!("{value:.3}"));
@@ -344,11 +346,11 @@ impl BenchedTree {
             cells
         };
         format!(
-            "{}, {} shapes; {} builder, width {}, {} nodes, built in {:.2} ms on one thread, {:.2} ms on {}{}\n\n{}",
+            "{}, {} shapes; {} builder, width {}, {} nodes, {made} in {:.2} ms on one thread, {:.2} ms on {}{}\n\n{}",
             world.scene.name,
             world.scene.shape_count(),
-            build.builder.name(),
-            build.width.name(),
+            world.builder_name(),
+            world.width(),
             world.figures.node_count,
             one_thread_ms,
             world.report.build_ms,
@@ -379,8 +381,7 @@ fn summary(trees: &[BenchedTree]) -> (Vec<String>, Vec<Vec<String>>) {
     }
     let cells = |tree: &BenchedTree| {
         let BenchedTree { world, one_thread_ms, rows, .. } = tree;
-        let build = &world.report.config;
-        let mut cells = texts(&[build.builder.name(), build.width.name()]);
+        let mut cells = texts(&[world.builder_name(), &world.width().to_string()]);
         cells.push(world.figures.node_count.to_string());
         cells.extend([*one_thread_ms, world.report.build_ms].map(|ms| format!("{ms:.2}")));
         let speeds = rows.iter().map(|row| row.result.mrays_per_s());
@@ -415,8 +416,9 @@ fn csv(trees: &[BenchedTree]) -> String {
             let mut cells = row.cells(|v| v.to_string());
             cells.push(row.packets.to_string());
             cells.extend([tree.scene.to_owned(), tree.shape_count.to_string(), tree.builder.to_owned()]);
-            cells.extend([tree.width, tree.bins, tree.leaf].map(|n| n.to_string()));
-            cells.push(tree.build_ms.to_string());
+            let shown = |n: Option<usize>| n.map_or_else(String::new, |n| n.to_string());
+            cells.extend([Some(tree.width), tree.bins, tree.leaf].map(shown));
+            cells.push(tree.build_ms.map_or_else(String::new, |ms| ms.to_string()));
             cells
         };
         rows.iter().map(line).collect::<Vec<_>>()

@@ -64,8 +64,10 @@ fn sides(base: &Session, matches: &ArgMatches) -> Result<[Session; 2], CliError>
 fn measured(name: &str, workshop: &Workshop) -> Result<TreeStats, CliError> {
     let session = &workshop.session;
     let measurement = workshop.measurement(session.count);
-    workshop.run(&format!("measuring {name}"), |task| {
-        task.start(measurement.steps());
-        measurement.of(name, session.build(), task)
-    })
+    workshop
+        .run(&format!("measuring {name}"), |task| {
+            task.start(measurement.steps());
+            measurement.of(name, session.build(), workshop.tree.as_ref(), task)
+        })
+        .inspect(|stats| workshop.warn_if_broken(stats))
 }

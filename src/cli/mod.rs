@@ -3,6 +3,8 @@
 mod args;
 mod bench;
 mod compare;
+mod export_tree;
+mod import;
 mod list;
 mod output;
 mod progress;
@@ -60,6 +62,8 @@ fn run(matches: &ArgMatches) -> Result<(), CliError> {
         Some(("sweep", matches)) => sweep::run(matches),
         Some(("bench", matches)) => bench::run(matches),
         Some(("compare", matches)) => compare::run(matches),
+        Some(("import", matches)) => import::run(matches),
+        Some(("export-tree", matches)) => export_tree::run(matches),
         Some(("list", matches)) => list::run(matches),
         Some((other, _)) => unreachable!("clap knows no command {other}"),
         None => window::run(matches),

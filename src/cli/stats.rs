@@ -13,8 +13,9 @@ pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
     let measurement = workshop.measurement(session.count);
     let stats = workshop.run("measuring the tree", |task| {
         task.start(measurement.steps());
-        measurement.of(name, session.build(), task)
+        measurement.of(name, session.build(), workshop.tree.as_ref(), task)
     })?;
+    workshop.warn_if_broken(&stats);
     let rows = std::slice::from_ref(&stats);
     output::print(&match output::format(matches) {
         TableFormat::People => {

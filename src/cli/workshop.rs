@@ -7,12 +7,12 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::{CliError, output, progress};
 use crate::accel::BuildConfig;
-use crate::inspect::stats::Measurement;
+use crate::inspect::stats::{Measurement, TreeStats};
 use crate::render::CountKind;
 use crate::scene::{Camera, Scene};
 use crate::session::{Session, prepare};
 use crate::task::{Cancelled, Task};
-use crate::world::World;
+use crate::world::{TreeFile, World};
 
 /// Builds of a tree whose build time is reported; the median counts.
 const BUILDS: usize = 3;
@@ -24,6 +24,8 @@ pub struct Workshop {
     pub scene: Arc<Scene>,
     /// As loaded.
     still: Arc<Scene>,
+    /// The tree of the session's file, if it has one.
+    pub tree: Option<Arc<TreeFile>>,
     pub camera: Camera,
     pool: Arc<ThreadPool>,
 }
@@ -43,19 +45,37 @@ impl Workshop {
         });
         let prepared = opened?;
         prepared.warnings.iter().for_each(|warning| output::warn(warning));
-        let prepare::Prepared { still, scene, camera, .. } = prepared;
-        Ok(Self { session, scene, still, camera, pool })
+        let prepare::Prepared { still, scene, camera, tree, .. } = prepared;
+        Ok(Self { session, scene, still, tree, camera, pool })
     }
 
     /// The workshop of another session of the same scene: what was loaded is not loaded again, if it can be shared.
-    pub fn reopen(&self, session: Session) -> Result<Self, CliError> {
+    pub fn reopen(&self, mut session: Session) -> Result<Self, CliError> {
         let of = |session: &Session| (session.scene.reference.clone(), session.up, session.render.threads);
         if of(&session) != of(&self.session) {
             return Self::open(session);
         }
+        let tree = prepare::open_tree(&mut session, &self.still, &Task::new())?;
         let scene = prepare::stage(&self.still, &session);
         let camera = prepare::camera(&scene, &session);
-        Ok(Self { session, scene, still: Arc::clone(&self.still), camera, pool: Arc::clone(&self.pool) })
+        Ok(Self {
+            session,
+            scene,
+            still: Arc::clone(&self.still),
+            tree,
+            camera,
+            pool: Arc::clone(&self.pool),
+        })
+    }
+
+    /// Says that a tree from a file is not the one that was measured.
+    pub fn warn_if_broken(&self, measured: &TreeStats) {
+        if let (Some(tree), None) = (&self.tree, &measured.imported) {
+            output::warn(&format!(
+                "{} has faults, and a tree that was built here is measured instead; `bvhscope import` lists them",
+                tree.name
+            ));
+        }
     }
 
     /// Does work on the session's threads while its progress is shown.
@@ -77,7 +97,11 @@ impl Workshop {
     /// Builds the session's tree.
     pub fn build(&self) -> Result<World, CliError> {
         let what = format!("building a tree over {} shapes", self.scene.shape_count());
-        self.run(&what, |task| World::build(Arc::clone(&self.scene), self.session.build(), task))
+        self.run(&what, |task| self.world(task))
+    }
+
+    fn world(&self, task: &Task) -> Result<World, Cancelled> {
+        World::of(Arc::clone(&self.scene), self.tree.as_ref(), self.session.build(), task)
     }
 
     /// Builds the session's tree several times on some threads; the report is that of the median build time.
@@ -89,7 +113,7 @@ impl Workshop {
             task.start(BUILDS as u64);
             let mut reports = Vec::new();
             loop {
-                let build = || World::build(Arc::clone(&self.scene), self.session.build(), &task.step());
+                let build = || self.world(&task.step());
                 let mut world = pool.install(build)?;
                 task.advance(1);
                 reports.push(world.report.clone());
@@ -118,15 +142,17 @@ impl Workshop {
     /// A line that says what was measured, for people.
     pub fn heading(&self, build: &BuildConfig, count: CountKind) -> String {
         let render = &self.session.render;
+        let making = match &self.tree {
+            Some(tree) => format!("the tree of {}", tree.name),
+            None => format!("at most {} shapes a leaf, {} bins", build.leaf, build.bins),
+        };
         format!(
-            "{}, {} shapes; {} x {} pixels, {} rays; at most {} shapes a leaf, {} bins; C_t {}, C_i {}; {} threads",
+            "{}, {} shapes; {} x {} pixels, {} rays; {making}; C_t {}, C_i {}; {} threads",
             self.scene.name,
             self.scene.shape_count(),
             render.width,
             render.height,
             count.name(),
-            build.leaf,
-            build.bins,
             build.traversal_cost,
             build.intersection_cost,
             self.pool.current_num_threads(),

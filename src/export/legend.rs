@@ -159,11 +159,16 @@ impl Layout {
 
 fn settings_lines(session: &Session, film: &Film, world: &World) -> Vec<String> {
     let build = &world.report.config;
-    let mut tree = format!("{} builder", build.builder.name());
-    if build.builder.uses_bins() {
-        tree += &format!(" with {} bins", build.bins);
-    }
-    tree += &format!(", width {}, at most {} shapes a leaf", build.width.name(), build.leaf);
+    let mut tree = match world.traced_file() {
+        Some(file) => format!("imported from {}, width {}", file.name, file.raw.width),
+        None => {
+            let mut tree = format!("{} builder", build.builder.name());
+            if build.builder.uses_bins() {
+                tree += &format!(" with {} bins", build.bins);
+            }
+            tree + &format!(", width {}, at most {} shapes a leaf", build.width.name(), build.leaf)
+        }
+    };
     tree += &format!(", {} nodes", world.figures.node_count);
     if let Some(cost) = world.figures.sah_cost {
         tree += &format!(", SAH cost {:.2}", cost.total());

@@ -3,6 +3,7 @@
 
 pub mod atomic;
 pub mod exr;
+pub mod findings;
 pub mod legend;
 pub mod png;
 pub mod points;
@@ -11,6 +12,7 @@ pub mod ray_file;
 pub mod session_file;
 pub mod table;
 pub mod text;
+pub mod tree_file;
 
 use std::path::PathBuf;
 

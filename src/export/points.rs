@@ -59,7 +59,7 @@ impl Question {
             intersection_cost: build.intersection_cost,
             ..BuildConfig::default()
         };
-        let variants = vec![Variant { name: String::new(), build }];
+        let variants = vec![Variant { name: String::new(), build, tree: None }];
         let render = crate::render::RenderSettings { spp: None, ..render };
         let camera = *camera;
         let session = Session {

@@ -63,12 +63,18 @@ pub static COLUMNS: &[Column] = &[
     text("scene", "scene", "the scene's name", |s| s.scene.clone().into()),
     count("shape_count", "shapes", "bounded shapes of the scene", |s| s.shape_count.into()),
     text("name", "tree", "what this tree is called here", |s| s.name.clone().into()),
-    text("builder", "builder", "how splits were found", |s| s.config.builder.name().into()),
-    count("width", "width", "most children of a node", |s| s.config.width.get().into()),
-    count("bins", "bins", "bins an axis; only the builders binned and spatial look at it", |s| {
-        s.config.bins.into()
+    text("builder", "builder", "how splits were found", |s| match s.imported {
+        Some(_) => "imported".into(),
+        None => s.config.builder.name().into(),
     }),
-    count("leaf", "leaf limit", "most references in a leaf", |s| s.config.leaf.into()),
+    count("width", "width", "most children of a node", |s| match &s.imported {
+        Some(imported) => imported.width.into(),
+        None => s.config.width.get().into(),
+    }),
+    count("bins", "bins", "bins an axis; only the builders binned and spatial look at it", |s| {
+        if_built(s, s.config.bins)
+    }),
+    count("leaf", "leaf limit", "most references in a leaf", |s| if_built(s, s.config.leaf)),
     count("node_count", "nodes", "inner nodes and leaves", |s| s.figures.node_count.into()).lower(),
     count("leaf_count", "leaves", "nodes that hold references", |s| s.figures.leaf_count.into()),
     count("reference_count", "references", "entries of all leaves; a shape may have several", |s| {
@@ -124,7 +130,7 @@ pub static COLUMNS: &[Column] = &[
         |s| s.rays.ray_cost_mean.into(),
     )
     .lower(),
-    real("build_ms", "build", "wall time of the build", |s| s.build_ms.into()).unit("ms").lower(),
+    real("build_ms", "build", "wall time of the build", |s| if_built(s, s.build_ms)).unit("ms").lower(),
     real(
         "traversal_ms",
         "traversal",
@@ -203,20 +209,23 @@ pub static COLUMNS: &[Column] = &[
     })
     .decimals(1)
     .lower(),
-    text("widen", "wide by", "how nodes of width 4 and 8 were made", |s| s.config.widen.name().into()),
-    text("stop", "stop rule", "when a node became a leaf", |s| s.config.stop.name().into()),
+    text("widen", "wide by", "how nodes of width 4 and 8 were made", |s| if_built(s, s.config.widen.name())),
+    text("stop", "stop rule", "when a node became a leaf", |s| if_built(s, s.config.stop.name())),
     count("block", "blocks", "shapes that count as one in the split cost, rounded up", |s| {
-        s.config.block.get().into()
+        if_built(s, s.config.block.get())
     }),
     text("improver", "improver", "what made a better tree of the one that was built", |s| {
-        s.config.improver.name().into()
+        if_built(s, s.config.improver.name())
     }),
-    text("layout", "layout", "how nodes lie in memory", |s| s.config.layout.name().into()),
+    text("tree_file", "file", "the file that the tree is from, if it was not built", |s| {
+        s.imported.as_ref().map_or(Value::Missing, |imported| imported.file.clone().into())
+    }),
+    text("layout", "layout", "how nodes lie in memory", |s| if_built(s, s.config.layout.name())),
     real(
         "pre_split",
         "pre-split",
         "references that cutting before the build may add, as a share of the shapes",
-        |s| f64::from(s.config.pre_split).into(),
+        |s| if_built(s, f64::from(s.config.pre_split)),
     ),
     real("traversal_cost", "C_t", "price of visiting a node", |s| f64::from(s.config.traversal_cost).into()),
     real("intersection_cost", "C_i", "price of testing a shape", |s| {
@@ -224,6 +233,11 @@ pub static COLUMNS: &[Column] = &[
     }),
     text("count", "rays", "which rays were counted", |s| s.count.name().into()),
 ];
+
+/// What a tree from a file does not tell.
+fn if_built(stats: &TreeStats, value: impl Into<Value>) -> Value {
+    if stats.imported.is_some() { Value::Missing } else { value.into() }
+}
 
 /// The columns of a table for people that compares trees on one scene, in order.
 pub fn comparing() -> impl Iterator<Item = &'static Column> {
@@ -285,7 +299,15 @@ impl Column {
         self.better == Better::Neither
             && matches!(
                 self.key,
-                "scene" | "name" | "builder" | "widen" | "stop" | "improver" | "layout" | "count"
+                "scene"
+                    | "name"
+                    | "builder"
+                    | "widen"
+                    | "stop"
+                    | "improver"
+                    | "layout"
+                    | "tree_file"
+                    | "count"
             )
     }
 
@@ -462,6 +484,7 @@ pub fn grouped(number: f64, decimals: usize) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::stats::ImportedTree;
     use super::super::stats::tests::example;
     use super::*;
 
@@ -490,6 +513,7 @@ mod tests {
                 "stop",
                 "block",
                 "improver",
+                "tree_file",
                 "layout",
                 "pre_split",
                 "traversal_cost",
@@ -509,9 +533,19 @@ mod tests {
 
     #[test]
     fn is_text_tells_what_values_are() {
-        let stats = example("A");
-        for column in COLUMNS {
+        let mut stats = example("A");
+        for column in COLUMNS.iter().filter(|c| c.key != "tree_file") {
             assert_eq!(column.is_text(), matches!(column.value(&stats), Value::Text(_)), "{}", column.key);
+        }
+        // Of a tree from a file much is not known.
+        stats.imported = Some(ImportedTree { file: "t.npz".to_owned(), width: 5 });
+        let shown = |key| Column::of(key).expect("a column").shown(&stats);
+        assert_eq!(
+            (shown("builder"), shown("width"), shown("tree_file")),
+            ("imported".into(), "5".into(), "t.npz".into())
+        );
+        for key in ["bins", "leaf", "build_ms", "widen", "stop", "block", "improver"] {
+            assert_eq!(shown(key), DASH, "{key}");
         }
     }
 

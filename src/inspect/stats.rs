@@ -12,7 +12,7 @@ use crate::render::ray_costs::{RayCosts, ray_costs};
 use crate::render::{CountKind, RenderSettings};
 use crate::scene::{Camera, Scene};
 use crate::task::{Cancelled, Task};
-use crate::world::World;
+use crate::world::{TreeFile, World};
 
 /// One object a tree: what `stats`, `table`, `sweep` and `compare` print, and what the panels show.
 /// [`TreeRecord`](super::columns::TreeRecord) is its flat form.
@@ -23,6 +23,8 @@ pub struct TreeStats {
     pub scene: String,
     pub shape_count: usize,
     pub config: BuildConfig,
+    /// The tree is from a file, and of `config` the costs and instructions alone count.
+    pub imported: Option<ImportedTree>,
     pub count: CountKind,
     pub figures: TreeFigures,
     pub phases: Vec<BuildPhase>,
@@ -39,6 +41,15 @@ pub struct TreeStats {
     /// Size, seed and depth of the frame whose rays were counted.
     pub settings: RenderSettings,
     pub camera: Camera,
+}
+
+/// What is known of the making of a tree from a file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ImportedTree {
+    /// The file's name.
+    pub file: String,
+    /// Slots a node in the file.
+    pub width: usize,
 }
 
 /// What trees are measured on: one scene, one view of it, and how much is asked.
@@ -76,6 +87,9 @@ pub fn tree_stats(
         scene: world.scene.name.clone(),
         shape_count: world.scene.shape_count(),
         config: world.report.config,
+        imported: world
+            .traced_file()
+            .map(|file| ImportedTree { file: file.name.clone(), width: file.raw.width }),
         count,
         figures: world.figures.clone(),
         phases: world.report.phases.clone(),
@@ -96,13 +110,19 @@ impl Measurement<'_> {
         self.builds.max(1) as u64 + 1
     }
 
-    /// Builds the tree of `config` and measures it. Advances `task`, which the caller started, by
+    /// Builds the tree of `config`, or takes that of `file`, and measures it. Advances `task`, which the caller started, by
     /// [`Measurement::steps`].
     ///
     /// # Errors
     /// [`Cancelled`] when the task was.
-    pub fn of(&self, name: &str, config: &BuildConfig, task: &Task) -> Result<TreeStats, Cancelled> {
-        self.weighed(name, config, [config.traversal_cost, config.intersection_cost], task)
+    pub fn of(
+        &self,
+        name: &str,
+        config: &BuildConfig,
+        file: Option<&Arc<TreeFile>>,
+        task: &Task,
+    ) -> Result<TreeStats, Cancelled> {
+        self.weighed(name, config, file, [config.traversal_cost, config.intersection_cost], task)
     }
 
     /// As [`Measurement::of`], with every figure under the costs `[C_t, C_i]`, whatever costs the tree was built with:
@@ -114,12 +134,13 @@ impl Measurement<'_> {
         &self,
         name: &str,
         config: &BuildConfig,
+        file: Option<&Arc<TreeFile>>,
         costs: [f32; 2],
         task: &Task,
     ) -> Result<TreeStats, Cancelled> {
         let mut reports = Vec::new();
         let mut world = loop {
-            let world = World::build(Arc::clone(self.scene), config, &task.step())?;
+            let world = World::of(Arc::clone(self.scene), file, config, &task.step())?;
             task.advance(1);
             reports.push(world.report.clone());
             if reports.len() >= self.builds.max(1) {
@@ -128,11 +149,18 @@ impl Measurement<'_> {
         };
         reports.sort_by(|a, b| a.build_ms.total_cmp(&b.build_ms));
         let median = &reports[reports.len() / 2];
-        let step = task.step();
         world.weigh(costs);
-        let stats = tree_stats(name, &world, self.camera, self.settings, self.count, self.timed, &step)?;
+        let stats = self.of_world(name, &world, &task.step())?;
         task.advance(1);
         Ok(TreeStats { config: *config, build_ms: median.build_ms, phases: median.phases.clone(), ..stats })
+    }
+
+    /// Measures a tree that is there.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when the task was.
+    pub fn of_world(&self, name: &str, world: &World, task: &Task) -> Result<TreeStats, Cancelled> {
+        tree_stats(name, world, self.camera, self.settings, self.count, self.timed, task)
     }
 }
 
@@ -149,9 +177,10 @@ pub(crate) mod tests {
         let measurement =
             Measurement { scene: &scene, camera, settings: &settings, count, timed: false, builds: 1 };
         let config = BuildConfig { traversal_cost: 3.0, intersection_cost: 0.5, ..BuildConfig::default() };
-        let measure = |costs| measurement.weighed("A", &config, costs, &Task::new()).expect("nobody cancels");
+        let measure =
+            |costs| measurement.weighed("A", &config, None, costs, &Task::new()).expect("nobody cancels");
         let (own, plain) = (measure([3.0, 0.5]), measure([1.0, 1.0]));
-        assert_eq!(own.figures, measurement.of("A", &config, &Task::new()).expect("no cancel").figures);
+        assert_eq!(own.figures, measurement.of("A", &config, None, &Task::new()).expect("no cancel").figures);
         assert_eq!((own.config, plain.config), (config, config), "it says what the tree was built with");
         let sah = |stats: &TreeStats| stats.figures.sah_cost.expect("it has an area");
         assert!((sah(&own).inner / sah(&plain).inner - 3.0).abs() < 1e-9);
@@ -172,6 +201,7 @@ pub(crate) mod tests {
             scene: "bunny".to_owned(),
             shape_count: 4977,
             config: BuildConfig::default(),
+            imported: None,
             count: CountKind::Camera,
             figures: TreeFigures {
                 node_count: 5937,

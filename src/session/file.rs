@@ -10,6 +10,7 @@ use serde::Deserialize;
 
 use super::flags::{FlagError, flags};
 use super::{Session, Variant};
+use crate::scene::load::TreeFormat;
 use crate::scene::{SceneRef, builtin};
 
 /// Most build settings side by side.
@@ -39,10 +40,10 @@ fn wrong(what: impl Into<String>) -> SessionError {
 pub fn to_text(session: &Session, folder: Option<&Path>) -> String {
     let mut session = session.clone();
     session.version = Session::VERSION;
-    if let (SceneRef::File(path), Some(folder)) = (&mut session.scene.reference, folder) {
-        *path = path_from(folder, path);
-    }
-    if let SceneRef::File(path) = &mut session.scene.reference {
+    for path in paths(&mut session) {
+        if let Some(folder) = folder {
+            *path = path_from(folder, path);
+        }
         // RON is text: a path that is none is written as well as can be.
         *path = PathBuf::from(path.to_string_lossy().into_owned());
     }
@@ -75,10 +76,20 @@ pub fn from_text(text: &str, folder: Option<&Path>) -> Result<Session, SessionEr
         camera.up = session.up;
     }
     check(&session)?;
-    if let (SceneRef::File(path), Some(folder)) = (&mut session.scene.reference, folder) {
-        *path = folder.join(&*path);
+    if let Some(folder) = folder {
+        paths(&mut session).for_each(|path| *path = folder.join(&*path));
     }
     Ok(session)
+}
+
+/// The files that a session names: its scene's, and those of its trees.
+fn paths(session: &mut Session) -> impl Iterator<Item = &mut PathBuf> {
+    let scene = match &mut session.scene.reference {
+        SceneRef::File(path) => Some(path),
+        SceneRef::Builtin(_) => None,
+    };
+    let trees = session.variants.iter_mut().filter_map(|variant| variant.tree.as_mut());
+    scene.into_iter().chain(trees.map(|tree| &mut tree.path))
 }
 
 /// Checks every value of a session: ranges, numbers that are none, an active variant that is not there.
@@ -107,12 +118,15 @@ fn check_scene(session: &Session) -> Result<(), SessionError> {
         }
         SceneRef::Builtin(_) | SceneRef::File(_) => {}
     }
-    let hash = &session.scene.content_hash;
+    check_hash(&session.scene.content_hash)
+}
+
+fn check_hash(hash: &str) -> Result<(), SessionError> {
     let is_hash = hash.len() == 64 && hash.bytes().all(|b| b.is_ascii_hexdigit());
-    if !(hash.is_empty() || is_hash) {
-        return Err(wrong("content_hash is not the 64 hexadecimal digits of a SHA-256"));
+    if hash.is_empty() || is_hash {
+        return Ok(());
     }
-    Ok(())
+    Err(wrong("content_hash is not the 64 hexadecimal digits of a SHA-256"))
 }
 
 fn check_variants(session: &Session) -> Result<(), SessionError> {
@@ -123,13 +137,21 @@ fn check_variants(session: &Session) -> Result<(), SessionError> {
     if session.active >= count {
         return Err(wrong(format!("active is {}, but its variants are 0 to {}", session.active, count - 1)));
     }
-    for Variant { name, build } in &session.variants {
+    for Variant { name, build, tree } in &session.variants {
         if name.is_empty() || name.chars().count() > MAX_NAME || name.chars().any(char::is_control) {
             return Err(wrong(format!(
                 "variants have a name {name:?}; allowed are 1 to {MAX_NAME} printable characters"
             )));
         }
         build.check().map_err(|error| wrong(format!("variant {name}: {error}")))?;
+        let Some(tree) = tree else { continue };
+        if TreeFormat::of(&tree.path).is_none() {
+            return Err(wrong(format!(
+                "variant {name} has the tree '{}', no .npz or .json",
+                tree.path.display()
+            )));
+        }
+        check_hash(&tree.content_hash)?;
     }
     Ok(())
 }
@@ -208,6 +230,14 @@ mod tests {
             (r#"scene: (reference: file(""))"#, "file without a name"),
             (r#"scene: (content_hash: "abc")"#, "64 hexadecimal digits"),
             (
+                r#"variants: [(name: "A", build: (), tree: Some((path: "a.obj")))]"#,
+                "variant A has the tree 'a.obj', no .npz or .json",
+            ),
+            (
+                r#"variants: [(name: "A", build: (), tree: Some((path: "a.npz", content_hash: "x")))]"#,
+                "64 hexadecimal digits",
+            ),
+            (
                 "camera: Some((eye: (0, 0, 0), target: (0, 0, 0), fov_y_degrees: 45, up: y))",
                 "eye and target must be two points",
             ),
@@ -225,7 +255,11 @@ mod tests {
         session.scene.reference = SceneRef::File(PathBuf::from("/work/models/teapot.obj"));
         let text = to_text(&session, Some(Path::new("/work")));
         assert!(text.contains(r#"file("models/teapot.obj")"#), "{text}");
+        session.set_tree(Some(PathBuf::from("/work/trees/t.npz")));
+        let text = to_text(&session, Some(Path::new("/work")));
+        assert!(text.contains(r#"path: "trees/t.npz""#), "{text}");
         let moved = from_text(&text, Some(Path::new("/elsewhere"))).expect("a session");
+        assert_eq!(moved.tree().map(|tree| &*tree.path), Some(Path::new("/elsewhere/trees/t.npz")));
         assert_eq!(moved.scene.reference, SceneRef::File(PathBuf::from("/elsewhere/models/teapot.obj")));
         let outside = to_text(&session, Some(Path::new("/home")));
         assert!(outside.contains(r#"file("/work/models/teapot.obj")"#), "{outside}");

@@ -4,7 +4,8 @@
 use super::flags::{Flag, FlagGroup};
 use super::values::{
     camera_text, choices, float_text, no_choices, optional_text, read_camera, read_depths, read_float,
-    read_int, read_named, read_optional, read_size, read_span, read_switch, span_text, switch_text,
+    read_int, read_named, read_optional, read_size, read_span, read_switch, read_tree, span_text,
+    switch_text,
 };
 use crate::accel::simd::SimdLevel;
 use crate::accel::{Block, BuildConfig, Builder, Improver, Layout, Morton, StopRule, Widen, Width};
@@ -17,6 +18,15 @@ const MIN_COST: f32 = 1e-6;
 const ANY: std::ops::RangeInclusive<f32> = f32::MIN..=f32::MAX;
 
 pub(super) static FLAGS: &[Flag] = &[
+    Flag {
+        name: "tree",
+        value_name: Some("FILE"),
+        group: FlagGroup::Tree,
+        help: "A tree from another program (.npz, .json) instead of one that is built, or none",
+        choices: no_choices,
+        set: |s, text| read_optional(text, "none", read_tree).map(|path| s.set_tree(path)),
+        get: |s| optional_text(s.tree(), "none", |tree| tree.path.to_string_lossy().into_owned()),
+    },
     Flag {
         name: "builder",
         value_name: Some("NAME"),

@@ -7,6 +7,7 @@ use super::Session;
 use super::flag_table::FLAGS;
 pub use super::values::Choice;
 use crate::scene::SceneRef;
+use crate::scene::load::TreeFormat;
 
 /// Why a flag's value was refused: which flag, what was given, what is allowed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -96,6 +97,12 @@ pub fn command_line(session: &Session, out: &str) -> String {
     words.push(scene_word(&session.scene.reference));
     words.extend(["--out".to_owned(), out.to_owned()]);
     words.extend(flag_words(session));
+    if let (SceneRef::File(path), None) = (&session.scene.reference, session.tree())
+        && TreeFormat::of(path).is_some()
+    {
+        // The shapes of a tree's file with another tree.
+        words.extend(["--tree".to_owned(), "none".to_owned()]);
+    }
     words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
 }
 

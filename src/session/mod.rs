@@ -7,6 +7,8 @@ pub mod flags;
 pub mod prepare;
 mod values;
 
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 
 use crate::accel::BuildConfig;
@@ -56,6 +58,19 @@ pub struct SessionScene {
 pub struct Variant {
     pub name: String,
     pub build: BuildConfig,
+    /// The tree of a file instead of one that is built; its costs and instructions are those of `build`.
+    #[serde(default)]
+    pub tree: Option<TreeRef>,
+}
+
+/// The file of a tree from another program, and how to tell that it is still the same.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct TreeRef {
+    /// In a session's file: relative to it.
+    pub path: PathBuf,
+    /// SHA-256 of the tree's file; empty while nothing is loaded.
+    #[serde(default)]
+    pub content_hash: String,
 }
 
 impl Default for Session {
@@ -67,7 +82,7 @@ impl Default for Session {
             ground: false,
             up: UpAxis::default(),
             camera: None,
-            variants: vec![Variant { name: "A".to_owned(), build: BuildConfig::default() }],
+            variants: vec![Variant { name: "A".to_owned(), build: BuildConfig::default(), tree: None }],
             active: 0,
             view: View::default(),
             count: CountKind::default(),
@@ -90,6 +105,19 @@ impl Session {
 
     pub fn build_mut(&mut self) -> &mut BuildConfig {
         &mut self.variants[self.active].build
+    }
+
+    /// The file whose tree is shown instead of one that is built.
+    pub fn tree(&self) -> Option<&TreeRef> {
+        self.variants[self.active].tree.as_ref()
+    }
+
+    /// Shows the tree of a file, or (`None`) one that is built.
+    pub fn set_tree(&mut self, path: Option<PathBuf>) {
+        if self.tree().map(|tree| &tree.path) != path.as_ref() {
+            let tree = path.map(|path| TreeRef { path, content_hash: String::new() });
+            self.variants[self.active].tree = tree;
+        }
     }
 
     /// What a film shows under this session.

@@ -1,11 +1,17 @@
 //! From a session to what it shows: the scene at its moment, staged, and the camera. The window and the commands open
 //! scenes here, so that both show the same.
 
+use std::path::Path;
 use std::sync::Arc;
 
-use super::{Session, SessionScene};
-use crate::scene::{Camera, LoadError, Loaded, Scene, SceneRef, load::load};
+use glam::Vec3;
+
+use super::{Session, SessionScene, TreeRef};
+use crate::geometry::Shape;
+use crate::scene::load::{Place, TreeArrays, load, load_tree, scene_of_tree};
+use crate::scene::{Camera, LoadError, Loaded, Scene, SceneRef};
 use crate::task::Task;
+use crate::world::TreeFile;
 
 /// A scene that was opened.
 #[derive(Clone, Debug)]
@@ -16,16 +22,26 @@ pub struct Prepared {
     pub scene: Arc<Scene>,
     /// The session's camera, or the scene's own.
     pub camera: Camera,
+    /// The tree of the session's file, if it has one.
+    pub tree: Option<Arc<TreeFile>>,
     /// What had to be repaired, and whether the scene is another one than the session remembers; a line each.
     pub warnings: Vec<String>,
 }
 
-/// Loads the session's scene and fills in what the session remembers of it: content hash and shape count.
+/// Loads the session's scene, and its tree if it has one from a file, and fills in what the session remembers of them:
+/// content hashes and shape count.
 ///
 /// # Errors
 /// [`LoadError`]; the session is then as before.
 pub fn open(session: &mut Session, task: &Task) -> Result<Prepared, LoadError> {
-    let Loaded { scene, mut warnings, content_hash } = load(&session.scene.reference, session.up, task)?;
+    let arrays = session.tree().map(|tree| load_tree(&tree.path, task)).transpose()?;
+    let in_one = session.tree().is_some_and(|t| session.scene.reference == SceneRef::File(t.path.clone()));
+    let loaded = match (session.tree(), &arrays) {
+        (Some(tree), Some(arrays)) if in_one => scene_of_tree(&tree.path, arrays, session.up, task)?,
+        _ => load(&session.scene.reference, session.up, task)?,
+    };
+    let Loaded { scene, mut warnings, content_hash } = loaded;
+    let tree = arrays.map(|arrays| adopt_tree(session, arrays, &scene, &mut warnings)).transpose()?;
     let found = SessionScene {
         reference: session.scene.reference.clone(),
         content_hash,
@@ -36,7 +52,90 @@ pub fn open(session: &mut Session, task: &Task) -> Result<Prepared, LoadError> {
     let still = Arc::new(scene);
     let scene = stage(&still, session);
     let camera = camera(&scene, session);
-    Ok(Prepared { still, scene, camera, warnings })
+    Ok(Prepared { still, scene, camera, tree, warnings })
+}
+
+/// Opens the tree of a file: over `still`, the scene of now as it was loaded, if the file's triangles are those of the scene
+/// or it has none; else over the scene of its own triangles.
+///
+/// # Errors
+/// [`LoadError`]; the session may have the tree by then.
+pub fn import(
+    session: &mut Session,
+    still: Option<&Arc<Scene>>,
+    path: &Path,
+    task: &Task,
+) -> Result<Prepared, LoadError> {
+    session.set_tree(None);
+    session.set_tree(Some(path.to_owned()));
+    let arrays = load_tree(path, task)?;
+    let mut warnings = Vec::new();
+    let still = match still.filter(|still| is_over(&arrays, still)) {
+        Some(still) => Arc::clone(still),
+        None => {
+            let Loaded { scene, content_hash, .. } = scene_of_tree(path, &arrays, session.up, task)?;
+            session.scene = SessionScene {
+                reference: SceneRef::File(path.to_owned()),
+                content_hash,
+                shape_count: Some(scene.shape_count()),
+            };
+            (session.camera, session.time) = (None, 0.0);
+            Arc::new(scene)
+        }
+    };
+    let tree = Some(adopt_tree(session, arrays, &still, &mut warnings)?);
+    let scene = stage(&still, session);
+    let camera = camera(&scene, session);
+    Ok(Prepared { still, scene, camera, tree, warnings })
+}
+
+/// Whether a tree can be one over the shapes of this scene: it says nothing of them, or they are the same triangles.
+fn is_over(arrays: &TreeArrays, scene: &Scene) -> bool {
+    arrays.triangles.as_ref().is_none_or(|triangles| {
+        let is_same = |(shape, corners): (usize, &[Vec3; 3])| {
+            matches!(scene.shape(shape as u32), Shape::Triangle(triangle) if triangle.v == *corners)
+        };
+        triangles.len() == scene.shape_count() && triangles.iter().enumerate().all(is_same)
+    })
+}
+
+/// Loads the tree of the session's file alone, if it has one, for a scene that is there.
+///
+/// # Errors
+/// [`LoadError`]; the session is then as before.
+pub fn open_tree(
+    session: &mut Session,
+    scene: &Scene,
+    task: &Task,
+) -> Result<Option<Arc<TreeFile>>, LoadError> {
+    let Some(tree) = session.tree() else { return Ok(None) };
+    let arrays = load_tree(&tree.path, task)?;
+    adopt_tree(session, arrays, scene, &mut Vec::new()).map(Some)
+}
+
+fn adopt_tree(
+    session: &mut Session,
+    arrays: TreeArrays,
+    scene: &Scene,
+    warnings: &mut Vec<String>,
+) -> Result<Arc<TreeFile>, LoadError> {
+    let Some(TreeRef { path, content_hash }) = &mut session.variants[session.active].tree else {
+        unreachable!("the arrays are those of the session's tree");
+    };
+    let file = TreeFile::new(path, arrays);
+    file.check_scene(scene).map_err(|error| LoadError::Content {
+        path: path.clone(),
+        place: Place::File,
+        reason: error.to_string(),
+    })?;
+    if !content_hash.is_empty() && *content_hash != file.content_hash {
+        warnings.push(format!(
+            "{} has changed since this session was saved: figures will differ",
+            path.display()
+        ));
+    }
+    content_hash.clone_from(&file.content_hash);
+    Ok(Arc::new(file))
 }
 
 /// The scene of the session's moment, with a ground if the session has one. `still` is the scene of t = 0 as loaded. The

@@ -4,6 +4,7 @@
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;
+use std::path::PathBuf;
 use std::str::FromStr;
 
 use glam::Vec3;
@@ -11,6 +12,7 @@ use glam::Vec3;
 use crate::accel::simd::SimdLevel;
 use crate::accel::{Block, Builder, Improver, Layout, Morton, StopRule, Widen, Width};
 use crate::render::{BoxStyle, ColorMap, CountKind, ToneMap, View};
+use crate::scene::load::TreeFormat;
 use crate::scene::{Camera, ShadowRule, UpAxis};
 use crate::world::NodeFigure;
 
@@ -146,6 +148,12 @@ pub fn read_optional<T>(
 
 pub fn optional_text<T>(value: Option<T>, word: &str, text: impl FnOnce(T) -> String) -> String {
     value.map_or_else(|| word.to_owned(), text)
+}
+
+/// The path of a tree's file.
+pub fn read_tree(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    TreeFormat::of(&path).map(|_| path).ok_or_else(|| "allowed is a file .npz or .json".to_owned())
 }
 
 /// `WIDTHxHEIGHT` in pixels.

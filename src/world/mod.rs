@@ -7,6 +7,7 @@ mod best;
 mod block;
 mod blockers;
 mod epo;
+mod imported;
 mod node_figure;
 mod packet;
 mod packets;
@@ -32,6 +33,7 @@ pub use store::PrimStore;
 pub use best::Best;
 use blockers::Blockers;
 pub use epo::Epo;
+pub use imported::{Imported, OtherScene, TreeFile};
 pub use node_figure::NodeFigure;
 pub use packets::Packets;
 use store::Beyond;
@@ -44,6 +46,8 @@ pub struct World {
     /// Its phases end with `pack` (the shapes' geometry, in leaf order).
     pub report: BuildReport,
     pub figures: TreeFigures,
+    /// The tree of a file that was asked for. It is `tree`, unless it has faults.
+    pub imported: Option<Imported>,
     store: PrimStore,
     blockers: Blockers,
     epo: OnceLock<Option<Epo>>,
@@ -77,6 +81,7 @@ impl World {
             tree,
             report,
             figures,
+            imported: None,
             store,
             blockers,
             epo: OnceLock::new(),

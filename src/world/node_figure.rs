@@ -66,12 +66,12 @@ impl NodeFigure {
 }
 
 impl World {
-    /// A figure of every node, by [`NodeId`](crate::accel::NodeId); NaN where it is undefined, or was too dear to find out.
+    /// A figure of every node of the tree that is shown, by [`NodeId`](crate::accel::NodeId); NaN where it is undefined, or was too dear to find out.
     ///
     /// # Errors
     /// [`Cancelled`] when the task was.
     pub fn node_values(&self, figure: NodeFigure, task: &Task) -> Result<Vec<f32>, Cancelled> {
-        let (tree, config) = (&self.tree, &self.report.config);
+        let (tree, config) = (self.shown_tree(), &self.report.config);
         Ok(match figure {
             NodeFigure::Depth => {
                 let mut depths = vec![f32::NAN; tree.node_count()];
@@ -84,8 +84,8 @@ impl World {
             NodeFigure::LeafSize => nodes::leaf_sizes(tree),
             NodeFigure::SahShare => nodes::sah_shares(tree, config.traversal_cost, config.intersection_cost),
             NodeFigure::Epo => match self.epo(task)? {
-                Some(epo) => epo.nodes.clone(),
-                None => vec![f32::NAN; tree.node_count()],
+                Some(epo) if std::ptr::eq(tree, &self.tree) => epo.nodes.clone(),
+                _ => vec![f32::NAN; tree.node_count()],
             },
             NodeFigure::Overlap => nodes::overlaps(tree),
             NodeFigure::EmptySpace => nodes::empty_spaces(tree),

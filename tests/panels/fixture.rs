@@ -9,8 +9,8 @@ use bvhscope::app::commands::{Command, Commands, SaveTarget};
 use bvhscope::app::panels::{PanelKind, Panels};
 use bvhscope::app::theme::{self, Palette};
 use bvhscope::app::view::{
-    AppView, BinCurve, CompareViews, HistoryEntry, Hover, JobStatus, RenderStatus, ShadowState, SweepState,
-    TableState,
+    AppView, BinCurve, CompareViews, HistoryEntry, Hover, JobStatus, Marked, RenderStatus, ShadowState,
+    SweepState, TableState,
 };
 use bvhscope::export::points::Question;
 use bvhscope::inspect::best::{Objective, Search};
@@ -61,6 +61,7 @@ fn entry(number: usize, world: &World, rays: &RayFigures) -> HistoryEntry {
     HistoryEntry {
         number,
         config: world.report.config,
+        tree: None,
         scene: world.scene.name.clone(),
         build_ms: world.report.build_ms,
         sah_cost: world.figures.sah_cost.map(|c| c.total()),
@@ -181,6 +182,7 @@ pub struct Program {
     pub range_locked: bool,
     pub table: TableState,
     pub sweep: SweepState,
+    pub marked: Option<Marked>,
     warnings: Vec<String>,
     recent: Vec<SceneRef>,
     /// All commands that were not edits, in order, in words.
@@ -234,6 +236,7 @@ impl Program {
             range_locked: false,
             table: TableState::default(),
             sweep: SweepState::default(),
+            marked: None,
             warnings: Vec::new(),
             recent: Vec::new(),
             asked: Vec::new(),
@@ -290,6 +293,7 @@ impl Program {
                 shape: Some(17),
                 distance: Some(2.5),
             }),
+            marked: self.marked.as_ref(),
             overlay: m.map(|m| &m.overlay),
             rays: m.map(|m| &m.rays),
             forecast: m.and_then(|m| m.forecasts.last()),
@@ -326,6 +330,17 @@ impl Program {
                 self.copied = text;
                 format!("copy {what}")
             }
+            Command::Mark(mark) => {
+                self.marked = mark.and_then(|mark| Marked::of(mark, self.world.as_ref()?));
+                format!("mark {mark:?}")
+            }
+            Command::FrameMarked => "frame marked".to_owned(),
+            Command::BuildOwnTree => {
+                self.session.set_tree(None);
+                "build own tree".to_owned()
+            }
+            Command::AskImport => "ask import".to_owned(),
+            Command::ImportTree(path) => format!("import {}", path.display()),
             Command::OpenScene(scene) => format!("open {}", scene.text()),
             Command::OpenSession(path) => format!("open session {}", path.display()),
             Command::SaveSession(path) => format!("save session {}", path.display()),

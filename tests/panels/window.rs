@@ -13,17 +13,17 @@ use egui::pos2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 
-type Window = Harness<'static, App>;
+pub type Window = Harness<'static, App>;
 
 /// Ample for a machine that builds something else meanwhile.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// The window of the first start.
-const SIZE: [f32; 2] = [1280.0, 800.0];
+pub const SIZE: [f32; 2] = [1280.0, 800.0];
 /// High enough for whole panels.
 const HIGH: [f32; 2] = [1280.0, 2800.0];
 
-fn window(scene: &str, size: [f32; 2]) -> Window {
+pub fn window(scene: &str, size: [f32; 2]) -> Window {
     let mut session = Session::default();
     session.scene.reference = SceneRef::Builtin(scene.to_owned());
     let options = AppOptions { hold_progressive: true, ..AppOptions::default() };
@@ -36,7 +36,7 @@ fn window(scene: &str, size: [f32; 2]) -> Window {
 }
 
 /// Draws until all that was asked for is there.
-fn settle(window: &mut Window) {
+pub fn settle(window: &mut Window) {
     let start = Instant::now();
     loop {
         window.step();

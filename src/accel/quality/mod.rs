@@ -102,7 +102,7 @@ impl TreeFigures {
             empty_space: sums.empty_space,
             empty_space_mean: (sums.spacious > 0).then(|| sums.empty_space / sums.spacious as f64),
             slot_fill: (inner_count > 0).then(|| {
-                let slots = inner_count * tree.width().get();
+                let slots = inner_count * tree.width();
                 (tree.node_count() - 1) as f64 / slots as f64
             }),
             leaf_fill: leaf_fill(&sums.leaf_sizes),

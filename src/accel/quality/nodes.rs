@@ -41,7 +41,7 @@ pub fn empty_spaces(tree: &Tree) -> Vec<f32> {
 /// How full a node is: of an inner node the share of its slots with a child, of a leaf the share of lanes with a
 /// reference, where [`FILL_LANES`] of them are tested at once.
 pub fn fills(tree: &Tree) -> Vec<f32> {
-    let width = tree.width().get() as f32;
+    let width = tree.width() as f32;
     of_nodes(
         tree,
         |children| children.len() as f32 / width,

@@ -1,6 +1,6 @@
 //! The box test of one ray against all children of a node at once: the arithmetic of [`Slabs`], lane by lane.
 
-use fearless_simd::{Simd, SimdFloat, f32x4, f32x8, prelude::*};
+use fearless_simd::{Simd, SimdFloat, f32x4, f32x8, f32x16, prelude::*};
 use glam::Vec3;
 
 use crate::accel::compressed::CompressedNode;
@@ -194,6 +194,40 @@ impl<V> LaneSlabs<V> {
             far = less_or(simd, (side - self.far_origin[axis]) * self.inv_direction[axis], far);
         }
         Entered { slots: near.simd_le(far).to_bitmask() as u32, entries: near.to_array() }
+    }
+}
+
+impl<S: Simd> BoxLanes<S, 16> for WideNode<16> {
+    type Ray = LaneSlabs<f32x16<S>>;
+
+    #[inline(always)]
+    fn spread(simd: S, ray: &TreeRay) -> Self::Ray {
+        LaneSlabs::new(simd, ray)
+    }
+
+    #[inline(always)]
+    fn enter(&self, simd: S, ray: &Self::Ray, t_max: f32) -> Entered<16> {
+        ray.enter(simd, &self.sides, t_max)
+    }
+
+    #[inline(always)]
+    fn may_enter(&self, simd: S, packet: &Interval, t_max: f32) -> (u32, [f32; 16]) {
+        packet.enter::<S, f32x16<S>, 16>(simd, &self.sides, t_max)
+    }
+
+    #[inline(always)]
+    fn child(&self, slot: usize) -> ChildRef {
+        self.children[slot]
+    }
+
+    #[inline(always)]
+    fn child_count(&self) -> usize {
+        WideNode::child_count(self)
+    }
+
+    #[inline(always)]
+    fn child_sides(&self, slot: usize) -> [f32; 6] {
+        self.slot_sides(slot)
     }
 }
 

@@ -13,7 +13,6 @@ use fearless_simd::{Fallback, Simd};
 use crate::geometry::{PreparedRay, Ray};
 use crate::{at_level, each_width};
 
-use super::config::BuildConfig;
 use super::simd::{Instructions, SimdToken};
 use super::tree::{ChildRef, Tree, Walked};
 
@@ -188,10 +187,13 @@ impl Waiting {
     }
 }
 
-/// Cleared for every ray, so small; the few rays that need more go on with [`FULL_STACK`].
+/// Cleared for every ray, so small; the few rays that need more go on with one of [`full_stack`].
 const SMALL_STACK: usize = 32;
-/// Enough for eight children a node at the greatest depth: each level leaves at most seven behind.
-const FULL_STACK: usize = 7 * BuildConfig::MAX_DEPTH + 8;
+
+/// Enough for any ray: each level of the tree leaves at most all children but one behind. So a tree may be of any depth.
+fn full_stack<const N: usize>(depth_max: u32) -> usize {
+    (N - 1) * depth_max as usize + N + 1
+}
 
 /// Bytes of nodes from which on it pays to ask for them before they are needed.
 const CACHED: usize = 1 << 21;
@@ -343,7 +345,7 @@ fn walk_below<
                 return;
             }
             let unused = full.take().expect("the full stack is enough for every tree");
-            stack = enlarged(unused, &stack[..height]);
+            stack = enlarged(unused, &stack[..height], full_stack::<N>(bvh.depth_max));
             continue;
         };
         probe.leaf_visited(leaf_idx);
@@ -405,11 +407,19 @@ fn guessed<const N: usize>(slot: usize) -> usize {
             1
         };
     }
-    if slot & 4 == 0 {
-        part(slot) % N
+    let half = |slot: usize| {
+        if slot & 4 == 0 {
+            part(slot)
+        } else {
+            unlikely();
+            4 + part(slot)
+        }
+    };
+    if N <= 8 || slot & 8 == 0 {
+        half(slot) % N
     } else {
         unlikely();
-        (4 + part(slot)) % N
+        (8 + half(slot)) % N
     }
 }
 
@@ -436,8 +446,8 @@ fn popped(stack: &[Waiting], height: &mut usize, t_max: f32) -> ChildRef {
 
 /// A full stack with what waits on the small one.
 #[cold]
-fn enlarged<'a>(full: &'a mut Vec<Waiting>, waiting: &[Waiting]) -> &'a mut [Waiting] {
-    full.resize(FULL_STACK, Waiting::NONE);
+fn enlarged<'a>(full: &'a mut Vec<Waiting>, waiting: &[Waiting], size: usize) -> &'a mut [Waiting] {
+    full.resize(size, Waiting::NONE);
     full[..waiting.len()].copy_from_slice(waiting);
     full
 }

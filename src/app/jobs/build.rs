@@ -9,10 +9,10 @@ use super::keys::TreeKey;
 use super::newest::Patience;
 use super::{Job, PoolKind, Run};
 use crate::render::measure::RayFigures;
-use crate::scene::Scene;
+use crate::scene::{LoadError, Scene};
 use crate::session::{Session, prepare};
 use crate::task::{Cancelled, Task};
-use crate::world::World;
+use crate::world::{TreeFile, World};
 
 /// A build that takes longer than this gives way to a newer request.
 pub const PATIENCE: Duration = Duration::from_millis(200);
@@ -31,8 +31,19 @@ pub struct BuildRequest {
 
 /// What a build says.
 pub enum BuildMessage {
-    Built { key: TreeKey, world: Arc<World> },
-    Counted { key: FiguresKey, rays: RayFigures },
+    Built {
+        key: TreeKey,
+        world: Arc<World>,
+    },
+    /// The tree of the session's file could not be read.
+    Failed {
+        key: TreeKey,
+        message: String,
+    },
+    Counted {
+        key: FiguresKey,
+        rays: RayFigures,
+    },
 }
 
 pub type BuildJob = Job<BuildRequest, BuildMessage>;
@@ -40,12 +51,19 @@ pub type BuildJob = Job<BuildRequest, BuildMessage>;
 pub fn job() -> BuildJob {
     Job::new(Patience::Within(PATIENCE), PoolKind::Build, |run| {
         // A cancelled build says nothing; the next one is on its way.
-        let _ = build(run);
+        let _ = build(run).map(|failed| {
+            if let Some(message) = failed {
+                run.emit(BuildMessage::Failed { key: run.request.key, message });
+            }
+        });
     })
 }
 
 /// For the screen: `building binned, 32 bins`.
 pub fn what(session: &Session) -> String {
+    if let Some(tree) = session.tree() {
+        return format!("checking {}", tree.path.file_name().unwrap_or_default().to_string_lossy());
+    }
     let config = session.build();
     let mut what = format!("building {}", config.builder.name());
     if config.width.get() > 2 {
@@ -57,7 +75,8 @@ pub fn what(session: &Session) -> String {
     what
 }
 
-fn build(run: &Run<BuildRequest, BuildMessage>) -> Result<(), Cancelled> {
+/// What went wrong, if the tree is one of a file.
+fn build(run: &Run<BuildRequest, BuildMessage>) -> Result<Option<String>, Cancelled> {
     let _pass = run.context.gate.enter(run.task, OnLease::Finish)?;
     let request = run.request;
     let scene = match &request.staged {
@@ -65,11 +84,33 @@ fn build(run: &Run<BuildRequest, BuildMessage>) -> Result<(), Cancelled> {
         None => prepare::stage(&request.still, &request.session),
     };
     run.task.check()?;
-    let world = Arc::new(World::build(scene, &request.key.config, run.task)?);
+    let file = match tree_file(run, &scene) {
+        Ok(file) => file,
+        Err(LoadError::Cancelled) => return Err(Cancelled),
+        Err(error) => return Ok(Some(error.to_string())),
+    };
+    let world = Arc::new(World::of(scene, file.as_ref(), &request.key.config, run.task)?);
     run.emit(BuildMessage::Built { key: request.key, world: Arc::clone(&world) });
     let rays = count(&world, request, run.task)?;
     run.emit(BuildMessage::Counted { key: request.figures, rays });
-    Ok(())
+    Ok(None)
+}
+
+/// The tree of the session's file, if it has one: as it was read before, or from the file.
+fn tree_file(
+    run: &Run<BuildRequest, BuildMessage>,
+    scene: &Scene,
+) -> Result<Option<Arc<TreeFile>>, LoadError> {
+    let mut session = run.request.session.clone();
+    let Some(tree) = session.tree() else { return Ok(None) };
+    if let Some(known) = run.context.tree(tree) {
+        return Ok(Some(known));
+    }
+    let read = prepare::open_tree(&mut session, scene, run.task)?;
+    if let Some(tree) = &read {
+        run.context.keep_tree(tree);
+    }
+    Ok(read)
 }
 
 fn count(world: &World, request: &BuildRequest, task: &Task) -> Result<RayFigures, Cancelled> {

@@ -50,11 +50,23 @@ impl Dialogs {
         self.show(context, Purpose::Open, || {
             let mut all = MODEL_EXTENSIONS.to_vec();
             all.extend(crate::export::session_file::EXTENSIONS);
+            all.extend(crate::export::tree_file::EXTENSIONS);
             let dialog = rfd::FileDialog::new()
                 .set_title("Open a model or a session")
-                .add_filter("Models and sessions", &all)
+                .add_filter("Models, sessions and trees", &all)
                 .add_filter("Models", &MODEL_EXTENSIONS)
                 .add_filter("Sessions", &crate::export::session_file::EXTENSIONS)
+                .add_filter("All files", &["*"]);
+            dialog.pick_file().map(DialogAnswer::Open)
+        });
+    }
+
+    /// Asks for a tree from another program.
+    pub fn ask_import(&mut self, context: &Context) {
+        self.show(context, Purpose::Open, || {
+            let dialog = rfd::FileDialog::new()
+                .set_title("Import a tree")
+                .add_filter("Trees", &crate::export::tree_file::EXTENSIONS)
                 .add_filter("All files", &["*"]);
             dialog.pick_file().map(DialogAnswer::Open)
         });

@@ -11,7 +11,7 @@ use super::newest::Patience;
 use super::{Job, PoolKind, Run};
 use crate::export::legend::Legend;
 use crate::export::points::{self, Question};
-use crate::export::{atomic, exr, raw_csv, session_file};
+use crate::export::{atomic, exr, raw_csv, session_file, tree_file};
 use crate::inspect::columns::{COLUMNS, Column, TreeRecord};
 use crate::inspect::pareto::front;
 use crate::inspect::stats::{TreeStats, tree_stats};
@@ -57,6 +57,9 @@ pub enum ExportContent {
     Sweep {
         points: Arc<Vec<SweepPoint>>,
         question: Box<Question>,
+    },
+    Tree {
+        world: Arc<World>,
     },
     Session,
 }
@@ -114,6 +117,9 @@ fn write(run: &Run<ExportWork, ExportDone>) -> Result<(), String> {
         ExportContent::Sweep { points, question } => {
             let columns = ["build_ms", "ray_cost_mean"].map(|key| Column::of(key).expect("a column's key"));
             points::save(path, points, &front(points, &columns), question).map_err(say)
+        }
+        ExportContent::Tree { world } => {
+            tree_file::save(&world.tree, &world.scene, path).map(drop).map_err(say)
         }
         ExportContent::Session => session_file::save(session, path).map_err(say),
     }

@@ -1,10 +1,12 @@
 //! What a result depends on, as values that can be compared: equal keys, equal results.
 
+use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
+
 use crate::accel::BuildConfig;
 use crate::render::film::FilmSubject;
 use crate::render::{CountKind, OverlaySettings, RenderSettings, View, ViewClass};
 use crate::scene::{Camera, Scene, ShadowRule, UpAxis};
-use crate::session::Session;
+use crate::session::{Session, TreeRef};
 
 /// One scene at one moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -36,11 +38,30 @@ impl SceneKey {
     }
 }
 
+/// The tree of a file, by a hash of its path and content.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FileKey(u64);
+
+impl FileKey {
+    pub fn of(tree: &TreeRef) -> Self {
+        Self(BuildHasherDefault::<DefaultHasher>::new().hash_one(tree))
+    }
+}
+
 /// One tree over one scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TreeKey {
     pub scene: SceneKey,
     pub config: BuildConfig,
+    /// The file whose tree is shown instead of the one that `config` describes.
+    pub file: Option<FileKey>,
+}
+
+impl TreeKey {
+    /// The tree that a session asks for.
+    pub fn wanted(scene: SceneKey, session: &Session) -> Self {
+        Self { scene, config: *session.build(), file: session.tree().map(FileKey::of) }
+    }
 }
 
 /// Everything that the raw content of a film depends on. How a film is shown is not among it.
@@ -48,7 +69,7 @@ pub struct TreeKey {
 pub struct FilmKey {
     pub scene: SceneKey,
     /// `None` where the picture is the same for every tree.
-    pub tree: Option<BuildConfig>,
+    pub tree: Option<(BuildConfig, Option<FileKey>)>,
     pub camera: Camera,
     pub width: u32,
     pub height: u32,
@@ -62,7 +83,7 @@ impl FilmKey {
         let subject = normal_subject(subject);
         Self {
             scene: tree.scene,
-            tree: subject.view.depends_on_tree().then_some(tree.config),
+            tree: subject.view.depends_on_tree().then_some((tree.config, tree.file)),
             camera: *camera,
             width: settings.width,
             height: settings.height,
@@ -119,7 +140,7 @@ mod tests {
     use crate::accel::Builder;
 
     fn key(view: View, config: BuildConfig) -> FilmKey {
-        let tree = TreeKey { scene: SceneKey::for_tests(1), config };
+        let tree = TreeKey { scene: SceneKey::for_tests(1), config, file: None };
         let subject = FilmSubject { view, count: CountKind::All, shadow_rule: ShadowRule::GlassMirror };
         FilmKey::new(&tree, &Camera::default(), &RenderSettings::default(), subject)
     }
@@ -146,7 +167,7 @@ mod tests {
     #[test]
     fn camera_size_seed_scene_and_time_change_every_key() {
         let config = BuildConfig::default();
-        let tree = TreeKey { scene: SceneKey::for_tests(1), config };
+        let tree = TreeKey { scene: SceneKey::for_tests(1), config, file: None };
         let subject = key(View::Path, config).subject;
         let settings = RenderSettings::default();
         let camera = Camera::default();
@@ -166,7 +187,10 @@ mod tests {
         for scene in
             [SceneKey::new(2, 0.0, None), SceneKey::new(1, 0.5, None), SceneKey::new(1, 0.0, Some(UpAxis::Y))]
         {
-            assert_ne!(base, FilmKey::new(&TreeKey { scene, config }, &camera, &settings, subject));
+            assert_ne!(
+                base,
+                FilmKey::new(&TreeKey { scene, config, file: None }, &camera, &settings, subject)
+            );
         }
         assert_eq!(SceneKey::new(1, 0.0, None), SceneKey::new(1, -0.0, None));
     }

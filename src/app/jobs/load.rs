@@ -19,6 +19,8 @@ use crate::world::World;
 pub enum Source {
     /// A scene; the other settings of the session stay.
     Scene(SceneRef),
+    /// A tree from another program: over the scene of now if its triangles are the same or it has none, else over its own.
+    Tree(PathBuf),
     /// A session's file, or a PNG that carries one.
     SessionFile(PathBuf),
     /// The scene of the session of now; the one that the program was started with.
@@ -34,6 +36,8 @@ pub struct LoadRequest {
     pub source: Source,
     /// The session of now.
     pub session: Session,
+    /// The scene of now, as it was loaded.
+    pub still: Option<Arc<Scene>>,
     /// Set when the tree is being built.
     building: Arc<AtomicBool>,
 }
@@ -64,22 +68,25 @@ pub fn job() -> LoadJob {
 }
 
 impl LoadRequest {
-    pub fn new(number: u64, source: Source, session: Session) -> Self {
-        Self { number, source, session, building: Arc::default() }
+    pub fn new(number: u64, source: Source, session: Session, still: Option<Arc<Scene>>) -> Self {
+        Self { number, source, session, still, building: Arc::default() }
     }
 
     /// For the screen.
     pub fn what(&self) -> String {
         let name = match &self.source {
             Source::Scene(scene) => short_name(scene),
-            Source::SessionFile(path) => {
+            Source::SessionFile(path) | Source::Tree(path) => {
                 path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into())
             }
             Source::Current => short_name(&self.session.scene.reference),
             Source::Session(session) => short_name(&session.scene.reference),
         };
         if self.building.load(Ordering::Relaxed) {
-            format!("building the tree of {name}")
+            match self.source {
+                Source::Tree(_) => format!("checking {name}"),
+                _ => format!("building the tree of {name}"),
+            }
         } else {
             format!("loading {name}")
         }
@@ -100,12 +107,22 @@ fn open(run: &Run<LoadRequest, LoadMessage>) -> Result<Opened, String> {
     let request = run.request;
     let _pass = run.context.gate.enter(run.task, OnLease::Finish).map_err(|c| c.to_string())?;
     let mut session = wanted_session(request)?;
-    let prepared = prepare::open(&mut session, run.task).map_err(|error: LoadError| error.to_string())?;
+    let prepared = match &request.source {
+        Source::Tree(path) => prepare::import(&mut session, request.still.as_ref(), path, run.task),
+        Source::Scene(_) | Source::SessionFile(_) | Source::Current | Source::Session(_) => {
+            prepare::open(&mut session, run.task)
+        }
+    };
+    let prepared = prepared.map_err(|error: LoadError| error.to_string())?;
+    if let Some(tree) = &prepared.tree {
+        run.context.keep_tree(tree);
+    }
     request.building.store(true, Ordering::Relaxed);
     let config = *session.build();
     config.check().map_err(|error| error.to_string())?;
-    let world = World::build(Arc::clone(&prepared.scene), &config, run.task).map_err(|c| c.to_string())?;
-    let key = TreeKey { scene: SceneKey::of(request.number, &prepared.still, &session), config };
+    let world = World::of(Arc::clone(&prepared.scene), prepared.tree.as_ref(), &config, run.task);
+    let world = world.map_err(|c| c.to_string())?;
+    let key = TreeKey::wanted(SceneKey::of(request.number, &prepared.still, &session), &session);
     Ok(Opened {
         source: request.source.clone(),
         session,
@@ -122,6 +139,8 @@ fn wanted_session(request: &LoadRequest) -> Result<Session, String> {
         Source::Scene(scene) => {
             let mut session = request.session.clone();
             session.scene = SessionScene { reference: scene.clone(), ..SessionScene::default() };
+            // A tree of a file is one over another scene.
+            session.set_tree(None);
             session.camera = None;
             session.time = 0.0;
             session.display.range = None;
@@ -133,7 +152,7 @@ fn wanted_session(request: &LoadRequest) -> Result<Session, String> {
             Ok(session)
         }
         Source::SessionFile(path) => session_file::open(path).map_err(|error| error.to_string()),
-        Source::Current => Ok(request.session.clone()),
+        Source::Current | Source::Tree(_) => Ok(request.session.clone()),
         Source::Session(session) => Ok(Session::clone(session)),
     }
 }

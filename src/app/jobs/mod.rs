@@ -21,6 +21,9 @@ pub mod table;
 
 use std::sync::{Arc, Mutex};
 
+use crate::session::TreeRef;
+use crate::world::TreeFile;
+
 pub use gate::{Gate, OnLease};
 pub use job::{Job, Run};
 pub use keys::{FilmKey, OverlayKey, SceneKey, TreeKey};
@@ -32,6 +35,8 @@ pub use pools::{PoolKind, Pools};
 pub struct Context {
     pools: Arc<Mutex<Arc<Pools>>>,
     pub gate: Gate,
+    /// The trees of files that were read last.
+    trees: Arc<Mutex<Vec<Arc<TreeFile>>>>,
     window: egui::Context,
 }
 
@@ -39,7 +44,7 @@ impl Context {
     /// `threads`: 0 for all.
     pub fn new(window: egui::Context, threads: usize) -> Self {
         let pools = Arc::new(Mutex::new(Arc::new(Pools::new(threads))));
-        Self { pools, gate: Gate::default(), window }
+        Self { pools, gate: Gate::default(), trees: Arc::default(), window }
     }
 
     /// A context without a window.
@@ -59,6 +64,23 @@ impl Context {
         if pools.threads() != threads {
             *pools = Arc::new(Pools::new(threads));
         }
+    }
+
+    /// The tree of a file, if it was read not long ago.
+    pub fn tree(&self, wanted: &TreeRef) -> Option<Arc<TreeFile>> {
+        let trees = self.trees.lock().expect("nothing panics while it holds the trees' lock");
+        let same =
+            |tree: &&Arc<TreeFile>| tree.path == wanted.path && tree.content_hash == wanted.content_hash;
+        trees.iter().find(same).cloned()
+    }
+
+    /// Keeps the tree of a file that was read.
+    pub fn keep_tree(&self, tree: &Arc<TreeFile>) {
+        const MOST: usize = 3;
+        let mut trees = self.trees.lock().expect("nothing panics while it holds the trees' lock");
+        trees.retain(|kept| kept.path != tree.path);
+        trees.insert(0, Arc::clone(tree));
+        trees.truncate(MOST);
     }
 
     /// Asks the window for a frame. From any thread.

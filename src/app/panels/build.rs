@@ -12,6 +12,7 @@ use crate::app::view::{AppView, HistoryEntry};
 use crate::inspect::columns::Better;
 use crate::world::World;
 
+use super::PanelKind;
 use super::chart::{Axis, Chart};
 use super::glossary::Term;
 use super::history::History;
@@ -39,8 +40,13 @@ impl BuildPanel {
     pub fn ui(&mut self, ui: &mut Ui, view: &AppView, commands: &mut Commands) {
         widgets::section(ui, "Tree");
         let config = *view.session.build();
-        choices(ui, &config, commands);
-        self.sliders(ui, &config, view.palette, commands);
+        imported(ui, view, commands);
+        // Of a tree from a file with faults a picture is traced all the same, with the tree that is set here.
+        let is_traced = view.session.tree().is_some() && view.world.is_none_or(|w| w.traced_file().is_some());
+        ui.add_enabled_ui(!is_traced, |ui| {
+            choices(ui, &config, commands);
+            self.sliders(ui, &config, view.palette, commands);
+        });
         costs(ui, &config, commands);
         status(ui, view, commands);
         report(ui, view);
@@ -104,6 +110,31 @@ impl BuildPanel {
         }
         self.held = held;
     }
+}
+
+/// Says that the tree is from a file, and brings ours back.
+fn imported(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
+    let Some(tree) = view.session.tree() else { return };
+    let name = tree.path.file_name().unwrap_or_default().to_string_lossy();
+    let broken = view.world.is_some_and(|w| w.imported.is_some() && w.traced_file().is_none());
+    let (color, text) = if broken {
+        let text =
+            format!("{name} has faults: its boxes are shown, and the picture is traced with the tree below.");
+        (view.palette.warning, text)
+    } else {
+        (view.palette.accent, format!("The tree is imported from {name}."))
+    };
+    widgets::notice(ui, color, text);
+    ui.horizontal(|ui| {
+        let build = ui.button("Build a tree instead").on_hover_text("Puts the file's tree away.");
+        if build.clicked() {
+            commands.push(Command::BuildOwnTree);
+        }
+        if ui.button("Show the findings").on_hover_text("Opens the panel Tree file.").clicked() {
+            commands.push(Command::ShowPanel { panel: PanelKind::TreeFile, shown: true });
+        }
+    });
+    ui.add_space(4.0);
 }
 
 /// The sliders that one builder alone has. Whether one is dragged.
@@ -428,6 +459,7 @@ mod tests {
     fn entry(number: usize, scene: &str) -> HistoryEntry {
         HistoryEntry {
             number,
+            tree: None,
             config: BuildConfig::default(),
             scene: scene.to_owned(),
             build_ms: 1.0,

@@ -47,6 +47,7 @@ impl ExportPanel {
             (SaveTarget::Raw, Term::RawFile),
             (SaveTarget::Figures, Term::FiguresFile),
             (SaveTarget::Sweep, Term::SweepFile),
+            (SaveTarget::Tree, Term::TreeFile),
             (SaveTarget::Window, Term::WindowFile),
         ] {
             widgets::term_section(ui, term);
@@ -55,6 +56,7 @@ impl ExportPanel {
                     SaveTarget::Raw => ExportRequest::Raw { path },
                     SaveTarget::Figures => ExportRequest::Figures { path },
                     SaveTarget::Sweep => ExportRequest::Sweep { path },
+                    SaveTarget::Tree => ExportRequest::Tree { path },
                     SaveTarget::Window | SaveTarget::Picture | SaveTarget::Session => {
                         ExportRequest::Window { path }
                     }
@@ -201,6 +203,7 @@ fn suggestion(session: &Session, target: SaveTarget) -> String {
         SaveTarget::Figures => format!("{scene}-{}.{extension}", session.build().builder.name()),
         SaveTarget::Sweep => format!("{scene}-sweep.{extension}"),
         SaveTarget::Session => format!("{scene}.{extension}"),
+        SaveTarget::Tree => format!("{scene}-{}.{extension}", session.build().builder.name()),
     }
 }
 

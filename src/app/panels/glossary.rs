@@ -177,6 +177,14 @@ glossary! {
     PlotColor "Colour" "The figure that the points' colours tell."
     SweepPoints "Points" "Every tree of the sweep; a click on a heading sorts, a click on a tree loads its settings."
     SweepFile "Points of the sweep" "All points of the Sweep panel as CSV or JSON by the file's ending, which the command sweep can resume."
+    // Tree file
+    FileNodes "Nodes" "Inner nodes in the file."
+    FileLeaves "Leaves" "Leaves in the file."
+    FileWidth "Slots a node" "How many children a node of the file has room for."
+    FileReferences "References" "Entries of the file's list of shapes."
+    InSeveral "Shapes in several leaves" "Shapes that more than one leaf refers to, as spatial splits make them: a figure, not a fault."
+    ExtraReferences "Further references" "Entries of leaves beyond the first of each shape."
+    Violations "Findings" "What the check found: faults give wrong pictures or none, remarks are only odd."
 
     // Export
     PictureSize "Size" "The picture is rendered at this size, not scaled to it."
@@ -186,6 +194,7 @@ glossary! {
     WithOverlay "With boxes" "Draws the boxes over the picture as in the viewport."
     WithLegend "With legend" "Adds the colour bar with its numbers and the settings below the picture."
     PictureFile "Picture" "The viewport as a PNG that carries its session: dropped on the window, it opens what it shows."
+    TreeFile "Tree" "The tree that is traced, for other programs: arrays as NumPy writes them (NPZ), or JSON; docs/tree-format.md says how."
     WindowFile "Whole window" "The window as it is, at its own size, as a PNG."
     RawFile "Raw numbers" "The unmapped numbers or linear colours of the viewport, as EXR or CSV by the file's ending."
     FiguresFile "Figures" "All figures of the current tree with the settings that gave them, as JSON or CSV by the file's ending."

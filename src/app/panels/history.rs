@@ -4,7 +4,6 @@ use egui::accesskit::Role;
 use egui::{Color32, Rect, Sense, Ui, WidgetInfo, vec2};
 use egui_plot::{Line, PlotPoints, Points};
 
-use crate::accel::BuildConfig;
 use crate::app::commands::Commands;
 use crate::app::view::{AppView, HistoryEntry};
 
@@ -47,7 +46,8 @@ impl Quantity {
 
     fn of(self, entry: &HistoryEntry) -> Option<f64> {
         match self {
-            Self::BuildTime => Some(entry.build_ms),
+            // What reading a tree takes is no build.
+            Self::BuildTime => entry.tree.is_none().then_some(entry.build_ms),
             Self::SahCost => entry.sah_cost,
             Self::NodesVisited => entry.nodes_visited_mean,
         }
@@ -75,14 +75,18 @@ impl History {
         }
         let in_plot = history_plot(ui, view, self.quantity);
         let in_list = history_list(ui, view);
-        if let Some(config) = in_plot.or(in_list) {
-            commands.edit(move |s| *s.build_mut() = config);
+        if let Some(entry) = in_plot.or(in_list) {
+            let (config, tree) = (entry.config, entry.tree.clone());
+            commands.edit(move |s| {
+                *s.build_mut() = config;
+                s.variants[s.active].tree = tree;
+            });
         }
     }
 }
 
-/// The settings of the build that was clicked.
-fn history_plot(ui: &mut Ui, view: &AppView, quantity: Quantity) -> Option<BuildConfig> {
+/// The build that was clicked.
+fn history_plot<'a>(ui: &mut Ui, view: &AppView<'a>, quantity: Quantity) -> Option<&'a HistoryEntry> {
     let points: Vec<[f64; 2]> =
         view.history.iter().filter_map(|e| Some([e.number as f64, quantity.of(e)?])).collect();
     let (first, last) = (view.history.first()?.number as f64, view.history.last()?.number as f64);
@@ -118,12 +122,20 @@ fn history_plot(ui: &mut Ui, view: &AppView, quantity: Quantity) -> Option<Build
     let entry = view.history.iter().find(|e| e.number as f64 == number)?;
     let clicked = shown.response.clicked();
     shown.response.on_hover_ui_at_pointer(|ui| entry_tooltip(ui, entry));
-    clicked.then_some(entry.config)
+    clicked.then_some(entry)
+}
+
+/// What stands for a build: its settings, or the file of its tree.
+fn title(entry: &HistoryEntry) -> String {
+    match &entry.tree {
+        Some(tree) => format!("imported {}", tree.path.file_name().unwrap_or_default().to_string_lossy()),
+        None => summary(&entry.config),
+    }
 }
 
 fn entry_tooltip(ui: &mut Ui, entry: &HistoryEntry) {
     ui.strong(format!("Build {}", entry.number));
-    ui.label(summary(&entry.config));
+    ui.label(title(entry));
     ui.label(format!("{}, {} ms", entry.scene, numbers::decimal(entry.build_ms, 2)));
     ui.label(format!(
         "SAH cost {}, nodes visited {}",
@@ -133,8 +145,8 @@ fn entry_tooltip(ui: &mut Ui, entry: &HistoryEntry) {
     ui.label("Click to return to these settings.");
 }
 
-/// Newest first. The settings of the build that was clicked.
-fn history_list(ui: &mut Ui, view: &AppView) -> Option<BuildConfig> {
+/// Newest first. The build that was clicked.
+fn history_list<'a>(ui: &mut Ui, view: &AppView<'a>) -> Option<&'a HistoryEntry> {
     let mut clicked = None;
     let width = ui.available_width();
     let columns = list_columns(width);
@@ -145,7 +157,7 @@ fn history_list(ui: &mut Ui, view: &AppView) -> Option<BuildConfig> {
         for i in (0..rows).rev() {
             let entry = &view.history[i];
             if list_line(ui, view, Sense::click(), columns, Some(entry)) {
-                clicked = Some(entry.config);
+                clicked = Some(entry);
             }
         }
     });
@@ -186,7 +198,7 @@ fn list_line(
     let current = view.history.last().is_some_and(|e| e.number == entry.number);
     paint_row(ui, rect, &response, current);
     let color = if current { view.palette.accent } else { ui.visuals().text_color() };
-    let text = summary(&entry.config);
+    let text = title(entry);
     widgets::paint_text(ui, left, widgets::Side::Left, &text, widgets::body_font(ui), color);
     let mut font = widgets::number_font(ui);
     font.size -= 1.0;

@@ -15,6 +15,7 @@ mod scene;
 mod shadows;
 mod sweep;
 mod table;
+mod tree_file;
 mod widgets;
 
 use std::path::PathBuf;
@@ -36,11 +37,12 @@ pub enum PanelKind {
     Shadows,
     Table,
     Sweep,
+    TreeFile,
     Export,
 }
 
 impl PanelKind {
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Scene,
         Self::Build,
         Self::Boxes,
@@ -49,6 +51,7 @@ impl PanelKind {
         Self::Shadows,
         Self::Table,
         Self::Sweep,
+        Self::TreeFile,
         Self::Export,
     ];
 
@@ -62,6 +65,7 @@ impl PanelKind {
             Self::Shadows => "Shadows",
             Self::Table => "Table",
             Self::Sweep => "Sweep",
+            Self::TreeFile => "Tree file",
             Self::Export => "Export",
         }
     }
@@ -78,6 +82,7 @@ pub struct Panels {
     shadows: shadows::ShadowsPanel,
     table: table::TablePanel,
     sweep: sweep::SweepPanel,
+    tree_file: tree_file::TreeFilePanel,
     export: export::ExportPanel,
 }
 
@@ -97,6 +102,7 @@ impl Panels {
                     PanelKind::Shadows => self.shadows.ui(ui, view, commands),
                     PanelKind::Table => self.table.ui(ui, view, commands),
                     PanelKind::Sweep => self.sweep.ui(ui, view, commands),
+                    PanelKind::TreeFile => self.tree_file.ui(ui, view, commands),
                     PanelKind::Export => self.export.ui(ui, view, commands),
                 }
             });

@@ -7,6 +7,7 @@ use egui::{Button, DragValue, RichText, Slider, TextEdit, Ui, vec2};
 use crate::app::commands::{Command, Commands};
 use crate::app::view::AppView;
 use crate::export::session_file::is_session_path;
+use crate::export::tree_file::is_tree_path;
 use crate::geometry::ShapeKind;
 use crate::scene::{Scene, SceneRef, UpAxis, builtin};
 use crate::session::Session;
@@ -110,6 +111,8 @@ fn parse_count(text: &str) -> Option<f64> {
 fn open_command(text: &str) -> Command {
     if is_session_path(Path::new(text)) {
         Command::OpenSession(text.into())
+    } else if is_tree_path(Path::new(text)) {
+        Command::ImportTree(text.into())
     } else {
         Command::OpenScene(SceneRef::parse(text))
     }
@@ -292,6 +295,7 @@ mod tests {
         assert!(
             matches!(open_command("soup:12"), Command::OpenScene(SceneRef::Builtin(n)) if n == "soup:12")
         );
+        assert!(matches!(open_command("tree.NPZ"), Command::ImportTree(_)));
         assert!(matches!(open_command("a.obj"), Command::OpenScene(SceneRef::File(_))));
     }
 

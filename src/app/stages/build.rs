@@ -18,11 +18,22 @@ pub fn receive(jobs: &mut Jobs, state: &mut State) {
                     continue;
                 }
                 let is_new_moment = document.tree.scene != key.scene;
+                let broken = super::load::broken_tree(&world).filter(|_| document.tree.file != key.file);
+                state.marked = state.marked.take().filter(|_| document.tree.file == key.file);
                 document.world = Arc::clone(&world);
                 document.tree = key;
                 // A moving scene would fill the history with the same settings again and again.
                 if !is_new_moment {
                     state.remember_build(key, &world);
+                }
+                if let Some(message) = broken {
+                    state.messages.error(message);
+                }
+            }
+            BuildMessage::Failed { key, message } => {
+                state.messages.error(message);
+                if jobs.memo.build == Some(key) {
+                    state.session.set_tree(None);
                 }
             }
             BuildMessage::Counted { key, rays } => {
@@ -38,7 +49,7 @@ pub fn start(jobs: &mut Jobs, state: &State) {
     else {
         return;
     };
-    let key = TreeKey { scene, config: *state.session.build() };
+    let key = TreeKey::wanted(scene, &state.session);
     if jobs.memo.build == Some(key) {
         return;
     }

@@ -74,6 +74,7 @@ pub fn export(jobs: &mut Jobs, state: &mut State, ctx: &egui::Context, request: 
             (path, session, ExportContent::Sweep { points, question: Box::new(question) })
         }
         ExportRequest::Figures { path } => (path, session, ExportContent::Figures { world, camera }),
+        ExportRequest::Tree { path } => (path, session, ExportContent::Tree { world }),
         ExportRequest::Window { .. } => unreachable!("handled above"),
     };
     write(jobs, ExportWork { path, session, content });

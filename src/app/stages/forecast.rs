@@ -54,7 +54,8 @@ pub fn start(jobs: &mut Jobs, state: &State, now: &Now) {
     let is_known = |tree: &TreeKey| {
         state.forecast_view == Some((tree.scene, view)) && state.forecast_keys.contains(tree)
     };
-    let earlier = state.history_keys.iter().rev().filter(|key| key.scene == current.scene);
+    let earlier =
+        state.history_keys.iter().rev().filter(|key| key.scene == current.scene && key.file.is_none());
     let earlier = earlier.take(if now.hold { 0 } else { MOST_EARLIER });
     let Some(tree) = std::iter::once(&current).chain(earlier).find(|key| !is_known(key)) else { return };
     let waits_for_epo =

@@ -1,15 +1,20 @@
 //! Opening scenes and sessions: until the new one is there whole, the old one stays.
 
+use std::sync::Arc;
+
 use super::Jobs;
 use crate::app::jobs::load::{LoadMessage, LoadRequest, Opened, Source, short_name};
 use crate::app::state::{Document, State};
 use crate::app::view::{BinCurve, ShadowState, TableState};
+use crate::export::findings::verdict;
 use crate::session::Session;
+use crate::world::World;
 
 /// Starts to open something. A load that runs is stopped.
 pub fn open(jobs: &mut Jobs, state: &State, source: Source) {
     jobs.memo.loads += 1;
-    let request = LoadRequest::new(jobs.memo.loads, source, state.session.clone());
+    let still = state.document.as_ref().map(|document| Arc::clone(&document.still));
+    let request = LoadRequest::new(jobs.memo.loads, source, state.session.clone(), still);
     let context = jobs.context.clone();
     jobs.load.request(&context, request);
 }
@@ -40,6 +45,9 @@ fn adopt(jobs: &mut Jobs, state: &mut State, opened: Opened) {
         let more = if count == 1 { String::new() } else { format!(" (and {} more, in Scene)", count - 1) };
         state.messages.say(format!("{name}: {}{more}", warnings[0]));
     }
+    if let Some(message) = broken_tree(&world) {
+        state.messages.error(message);
+    }
     state.remember_recent(&state.session.scene.reference.clone());
     state.remember_build(key, &world);
     state.document = Some(Document { load: key.scene.load, still, world, tree: key, warnings });
@@ -53,8 +61,19 @@ fn adopt(jobs: &mut Jobs, state: &mut State, opened: Opened) {
     state.shadow = ShadowState::default();
     state.shadow_key = None;
     state.hover = None;
+    state.marked = None;
     state.held_range = None;
     state.last_change = std::time::Instant::now();
+}
+
+/// What to say of a tree from a file that is not traced.
+pub fn broken_tree(world: &World) -> Option<String> {
+    let imported = world.imported.as_ref().filter(|imported| !imported.findings.is_valid())?;
+    Some(format!(
+        "{}: {}. The picture is traced with a tree that was built here; the panel Tree file lists what is wrong.",
+        imported.file.name,
+        verdict(&imported.findings)
+    ))
 }
 
 /// For a scene alone, settings that were changed while it was loaded stay.
@@ -69,9 +88,11 @@ fn adopt_session(state: &mut State, source: &Source, opened: Session) {
             state.animating = false;
             state.session = opened;
         }
-        Source::Scene(_) => {
+        Source::Scene(_) | Source::Tree(_) => {
             state.animating = false;
+            let tree = opened.tree().cloned();
             let session = &mut state.session;
+            session.variants[session.active].tree = tree;
             session.scene = opened.scene;
             session.camera = opened.camera;
             session.time = opened.time;
@@ -80,6 +101,11 @@ fn adopt_session(state: &mut State, source: &Source, opened: Session) {
             session.display.range = opened.display.range;
             session.display.threshold = opened.display.threshold;
         }
-        Source::Current => state.session.scene = opened.scene,
+        Source::Current => {
+            let tree = opened.tree().cloned();
+            state.session.scene = opened.scene;
+            let active = state.session.active;
+            state.session.variants[active].tree = tree;
+        }
     }
 }

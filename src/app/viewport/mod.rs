@@ -2,6 +2,7 @@
 
 mod areas;
 mod camera_input;
+pub mod marks;
 mod readout;
 mod textures;
 
@@ -59,6 +60,7 @@ impl Viewport {
         }
         self.textures.update(ui, state);
         self.paint_pictures(ui, &areas, state);
+        marks::paint(ui, &areas, state);
         let hover = self.hover(&response, &areas, state);
         paint_labels(ui, &areas, state, self.wipe.0);
         let shown = hover.as_ref().map(|(slot, hover)| (hover, state.subjects()[*slot].view));

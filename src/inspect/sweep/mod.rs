@@ -70,7 +70,7 @@ impl Sweeper<'_> {
         }
         say(SweepEvent::Started { name, config });
         let start = Instant::now();
-        let stats = self.measurement.weighed(name, config, self.costs, &task.step())?;
+        let stats = self.measurement.weighed(name, config, None, self.costs, &task.step())?;
         let point = SweepPoint::of(&stats);
         say(SweepEvent::Measured { point: &point, took: start.elapsed() });
         Ok(point)

@@ -43,7 +43,7 @@ pub struct Overlay {
     pub density_range: Option<[u32; 2]>,
 }
 
-/// Draws the boxes of the world's tree. `depth`: distance along each pixel centre's camera ray to the first surface
+/// Draws the boxes of the world's tree, or of a broken one from a file. `depth`: distance along each pixel centre's camera ray to the first surface
 /// (infinity for none), from [`first_hit_distances`].
 ///
 /// # Errors
@@ -66,7 +66,7 @@ pub fn draw_boxes(
         NodeFigure::Depth => Vec::new(),
         figure => world.node_values(figure, &task.step())?,
     };
-    draw::draw_tree(&world.tree, &values, camera.frame(width, height), settings, depth, task)
+    draw::draw_tree(world.shown_tree(), &values, camera.frame(width, height), settings, depth, task)
 }
 
 /// Distance along the ray through each pixel's centre to the first surface; infinity for none.

@@ -11,6 +11,7 @@ mod polygon;
 mod stage;
 mod stl;
 mod texture;
+mod tree_file;
 
 use std::fmt;
 use std::fs::File;
@@ -23,6 +24,8 @@ use super::{Scene, SceneRef, UpAxis, builtin};
 use crate::task::Task;
 use fault::Fault;
 use model::Model;
+
+pub use tree_file::{TreeArrays, TreeFormat, load_tree};
 
 /// A scene, and what had to be repaired to get it, a line each, with counts.
 #[derive(Clone, Debug)]
@@ -102,8 +105,8 @@ impl Format {
     }
 }
 
-/// Loads a built-in scene or a file (by its extension; `.obj .ply .stl .gltf .glb`), at t = 0. `up` orients the camera
-/// that frames a file.
+/// Loads a built-in scene or a file (by its extension; `.obj .ply .stl .gltf .glb`, or the shapes of a tree's `.npz .json`),
+/// at t = 0. `up` orients the camera that frames a file.
 ///
 /// # Errors
 /// [`LoadError`]; what can be repaired is loaded, with a warning that counts it.
@@ -119,22 +122,40 @@ pub fn load(scene: &SceneRef, up: UpAxis, task: &Task) -> Result<Loaded, LoadErr
 }
 
 fn load_file(path: &Path, up: UpAxis, task: &Task) -> Result<Loaded, LoadError> {
+    if TreeFormat::of(path).is_some() {
+        return scene_of_tree(path, &load_tree(path, task)?, up, task);
+    }
     let format = Format::of(path);
-    let bytes = read_file(path, format, task)?;
+    let bytes = read_file(path, task)?;
     let format = format.expect("a file of another format is not read");
     task.start(bytes.len() as u64);
     let (content_hash, parsed) = rayon::join(|| content_hash(&bytes), || parse(format, &bytes, path, task));
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
     let finish = |model: Model| {
         task.check()?;
-        model.finish(&name, up)
+        model.finish(&file_name(path), up)
     };
-    match parsed.and_then(finish) {
-        Ok((scene, warnings)) => Ok(Loaded { scene, warnings, content_hash }),
-        Err(Fault::Cancelled) => Err(LoadError::Cancelled),
-        Err(Fault::Content { place, reason }) => {
-            Err(LoadError::Content { path: path.to_owned(), place, reason })
-        }
+    let (scene, warnings) = parsed.and_then(finish).map_err(|fault| located(path, fault))?;
+    Ok(Loaded { scene, warnings, content_hash })
+}
+
+/// The scene of the triangles in a tree's file.
+///
+/// # Errors
+/// [`LoadError::Content`]: it has none, or some that cannot be shown.
+pub fn scene_of_tree(path: &Path, tree: &TreeArrays, up: UpAxis, task: &Task) -> Result<Loaded, LoadError> {
+    let scene = tree.scene(&file_name(path), up, task).map_err(|fault| located(path, fault))?;
+    Ok(Loaded { scene, warnings: Vec::new(), content_hash: tree.content_hash.clone() })
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// A reader's fault with the file in which it is.
+fn located(path: &Path, fault: Fault) -> LoadError {
+    match fault {
+        Fault::Cancelled => LoadError::Cancelled,
+        Fault::Content { place, reason } => LoadError::Content { path: path.to_owned(), place, reason },
     }
 }
 
@@ -148,15 +169,15 @@ fn parse(format: Format, bytes: &[u8], path: &Path, task: &Task) -> Result<Model
     }
 }
 
-/// The whole file, if it is one that can be shown and holds anything.
-fn read_file(path: &Path, format: Option<Format>, task: &Task) -> Result<Vec<u8>, LoadError> {
+/// The whole file, if it is one that can be read and holds anything.
+fn read_file(path: &Path, task: &Task) -> Result<Vec<u8>, LoadError> {
     let refused = |reason: String| LoadError::Read { path: path.to_owned(), reason };
     let known = Format::ALL.map(|f| format!(".{}", f.name())).join(" ");
     let metadata = std::fs::metadata(path).map_err(|error| refused(io_reason(&error)))?;
     if metadata.is_dir() {
         return Err(refused(format!("this is a folder; name a file in it ({known})")));
     }
-    if format.is_none() {
+    if Format::of(path).is_none() && TreeFormat::of(path).is_none() {
         let what = match path.extension() {
             Some(extension) => {
                 format!("'.{}' is no format that this program reads", extension.to_string_lossy())

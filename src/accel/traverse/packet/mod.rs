@@ -14,7 +14,6 @@ mod rays;
 
 use fearless_simd::prelude::*;
 
-use crate::accel::config::BuildConfig;
 use crate::accel::simd::{Instructions, SimdToken};
 use crate::accel::tree::{ChildRef, Tree, Walked};
 use crate::geometry::Ray;
@@ -39,10 +38,12 @@ const FEWEST: u32 = 4;
 const LONELY: u32 = 6;
 
 /// Children of a node, at most.
-const MAX_WIDTH: usize = 8;
+const MAX_WIDTH: usize = 16;
 
-/// Enough for eight children a node at the greatest depth; packets that part ways may leave more behind.
-const USUAL_STACK: usize = MAX_WIDTH * (BuildConfig::MAX_DEPTH + 1);
+/// Enough for all children of a node at each depth of the tree; packets that part ways may leave more behind.
+fn usual_stack<const N: usize>(depth_max: u32) -> usize {
+    N * (depth_max as usize + 2)
+}
 
 /// A node that waits for some rays.
 #[derive(Clone, Copy, Debug)]
@@ -76,8 +77,8 @@ struct Stack {
 
 impl Default for Stack {
     fn default() -> Self {
-        let waiting = vec![Waiting::NONE; USUAL_STACK];
-        Self { waiting, entries: [Lanes::ZERO; MAX_WIDTH], alone: Alone::default(), met: 0, met_by: 0 }
+        let entries = [Lanes::ZERO; MAX_WIDTH];
+        Self { waiting: Vec::new(), entries, alone: Alone::default(), met: 0, met_by: 0 }
     }
 }
 
@@ -156,6 +157,10 @@ fn together<'l, S: Instructions, const N: usize, T: BoxLanes<S, N>, L: PacketLea
         return Rays::NONE;
     }
     let inside = lanes.reaching(simd, classes.inside.and(asked), query.t_max());
+    let usual = usual_stack::<N>(bvh.depth_max);
+    if stack.waiting.len() < usual {
+        stack.waiting.resize(usual, Waiting::NONE);
+    }
     let mut left = inside.and(classes.regular);
     let mut alone = inside.without(classes.regular);
     while !left.is_empty() {
@@ -222,7 +227,7 @@ fn walk<'l, S: Instructions, const N: usize, T: BoxLanes<S, N>, L: PacketLeaves,
                     child.rays =
                         lanes.enter(simd, &node.child_sides(slot), rays, query.t_max(), &mut entries[slot]);
                 }
-                order(simd, waiting, bottom, &mut height, entries);
+                order::<_, N>(simd, waiting, bottom, &mut height, entries);
             }
         } else if let Some(leaf_idx) = next.as_leaf() {
             probe.leaf_visited(rays);
@@ -251,14 +256,14 @@ fn walk<'l, S: Instructions, const N: usize, T: BoxLanes<S, N>, L: PacketLeaves,
 /// Lets the children that wait from `bottom` on, with room for as many above, do so in such an order that every ray visits
 /// them by its own entries and then by reference. Rays that have another order than the first one wait apart, below.
 #[inline(always)]
-fn order<S: Simd>(
+fn order<S: Simd, const N: usize>(
     simd: S,
     waiting: &mut Vec<Waiting>,
     bottom: usize,
     height: &mut usize,
     entries: &[Lanes; MAX_WIDTH],
 ) {
-    let mut children = [Waiting::NONE; MAX_WIDTH];
+    let mut children = [Waiting::NONE; N];
     let children = &mut children[..*height - bottom];
     children.copy_from_slice(&waiting[bottom..*height]);
     *height = bottom;
@@ -288,7 +293,7 @@ fn order<S: Simd>(
         for child in &*children {
             let rays = child.rays.and(agreeing);
             if !rays.is_empty() {
-                if *height + MAX_WIDTH >= waiting.len() {
+                if *height + N >= waiting.len() {
                     waiting.push(Waiting::NONE);
                 }
                 waiting[*height] = Waiting { rays, ..*child };

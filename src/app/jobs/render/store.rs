@@ -69,7 +69,7 @@ mod tests {
     use crate::scene::{Camera, ShadowRule};
 
     fn key(seed: u64, load: u64) -> FilmKey {
-        let tree = TreeKey { scene: SceneKey::for_tests(load), config: BuildConfig::default() };
+        let tree = TreeKey { scene: SceneKey::for_tests(load), config: BuildConfig::default(), file: None };
         let subject = FilmSubject {
             view: View::Depth,
             count: CountKind::default(),

@@ -28,7 +28,7 @@ impl Stage {
 
     fn key(&self, view: View) -> FilmKey {
         let subject = FilmSubject { view, count: CountKind::Camera, shadow_rule: ShadowRule::default() };
-        let tree = TreeKey { scene: SceneKey::for_tests(1), config: self.config };
+        let tree = TreeKey { scene: SceneKey::for_tests(1), config: self.config, file: None };
         FilmKey::new(&tree, &self.camera, &self.settings, subject)
     }
 
