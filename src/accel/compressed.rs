@@ -5,10 +5,11 @@
 //! two, and the sum is rounded once. Bytes are chosen by this very arithmetic so that a box is never smaller than what it
 //! holds.
 
+use glam::Vec3;
+
 use crate::geometry::Aabb;
 
 use super::tree::{ChildRef, LeafRange, Nodes, Walked, WideBvh};
-use glam::Vec3;
 
 /// Children of a node.
 const WIDTH: usize = 8;
