@@ -136,8 +136,7 @@ impl<S: Simd, V: SimdFloat<S, Element = f32, Array = [f32; N]>, const N: usize> 
     }
 }
 
-/// Decoded, then tested as any box. On a processor that has them in its caches this costs more than it saves: rays are 5 to 20
-/// percent slower than among full nodes, also in trees that do not fit (a leaf's shapes are most of what is fetched).
+/// Decoded, then tested as any box: a conversion, a product and a sum more a side. What it costs: `benches/README.md`.
 impl<S: Simd> SideRows<S, f32x8<S>> for CompressedNode {
     #[inline(always)]
     fn row(&self, simd: S, axis: usize, row: usize) -> f32x8<S> {
