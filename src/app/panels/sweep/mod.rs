@@ -166,7 +166,10 @@ impl SweepPanel {
         let points = &view.sweep.points;
         ui.horizontal(|ui| {
             let front = || front(points, &self.plot.columns());
-            if ui.button("Copy as CSV").on_hover_text("All columns with all digits, for programs.").clicked()
+            if ui
+                .button("Copy as CSV")
+                .on_hover_text("All columns with all digits, for programs; the Export panel writes files.")
+                .clicked()
             {
                 let text = text::csv(points, &front(), question);
                 commands.push(Command::CopyText { text, what: "points" });
@@ -175,7 +178,6 @@ impl SweepPanel {
                 let text = text::json(points, &front(), question);
                 commands.push(Command::CopyText { text, what: "points" });
             }
-            ui.weak("Files: Export panel");
         });
     }
 }
