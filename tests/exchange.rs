@@ -381,15 +381,14 @@ fn a_tree_goes_out_and_comes_back_on_the_command_line() {
     let imported = json(&["import", tree, "--json", small[0], small[1]]);
     let ours =
         json(&["stats", "soup:400", "--builder", "sweep", "--width", "2", "--json", small[0], small[1]]);
-    assert_eq!(
-        (&imported["valid"], imported["violations"].as_array().map(Vec::len)),
-        (&true.into(), Some(0))
-    );
+    assert_eq!(imported["valid"], true);
+    assert_eq!(imported["violations"].as_array().map(Vec::len), Some(0));
     let figures = &imported["figures"];
     for key in ["sah_cost", "node_count", "depth_max", "reference_count", "width"] {
         assert_eq!(figures[key], ours[key], "{key}");
     }
-    assert_eq!((&figures["builder"], &figures["tree_file"]), (&"imported".into(), &"t.npz".into()));
+    assert_eq!(figures["builder"], "imported");
+    assert_eq!(figures["tree_file"], "t.npz");
     assert!(figures["bins"].is_null() && figures["build_ms"].is_null() && figures["leaf"].is_null());
     // Over the same scene, beside one of ours, by its flag.
     let flags = format!("--tree {tree}");
@@ -438,10 +437,9 @@ fn a_broken_tree_is_listed_and_fails() {
     let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     assert!(!done && json["valid"] == false && json["counts"]["bad-link"] == 1, "{json}");
     let first = &json["violations"][0];
-    assert_eq!(
-        (&first["kind"], &first["node"], &first["fault"]),
-        (&"bad-link".into(), &0.into(), &true.into())
-    );
+    assert_eq!(first["kind"], "bad-link");
+    assert_eq!(first["node"], 0);
+    assert_eq!(first["fault"], true);
     let (_, text, _) = output(&["import", tree, "--csv"]);
     assert!(text.starts_with("kind,fault,node,leaf,shape,message\nbad-link,true,0,,,"), "{text}");
     // Elsewhere a tree of ours takes its place, and it says so.

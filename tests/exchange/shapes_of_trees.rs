@@ -1,4 +1,5 @@
 //! Trees that no builder here makes: wider ones, and lists. Whoever includes this file has `Aabb` and `RawTree` in scope.
+#![allow(dead_code, reason = "each test needs a part of it")]
 
 use super::{Aabb, RawTree};
 

@@ -49,7 +49,7 @@ fn single(point: &[Option<f64>; 3]) -> [f32; 3] {
 }
 
 fn points(name: &str, rows: &[Vec<[Option<f64>; 3]>], width: usize) -> Result<Vec<[f32; 3]>, Fault> {
-    Ok(same_width(name, rows, width)?.into_iter().map(|point| single(point)).collect())
+    Ok(same_width(name, rows, width)?.into_iter().map(single).collect())
 }
 
 fn same_width<'t, T>(name: &str, rows: &'t [Vec<T>], width: usize) -> Result<Vec<&'t T>, Fault> {
