@@ -40,7 +40,7 @@ fn broken() -> Arc<World> {
         raw.child_index[3] = 5000;
         raw.child_max[0] = [0.1; 3];
         raw.child_max[9][1] += 0.5;
-        raw.child_min[20][2] = f32::NAN;
+        raw.child_min[1][2] = f32::NAN;
         raw.leaf_count[7] = -1;
         raw.shape_index[40] = raw.shape_index[41];
     })
@@ -123,8 +123,10 @@ fn the_window_traces_a_valid_tree_and_draws_a_broken_one() {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = Arc::new(builtin::make("soup:500").expect("a scene"));
     let ours = build(&scene, &BuildConfig { leaf: 5, ..BuildConfig::default() });
-    let path = folder.path().join("five.json");
-    tree_file::save(&ours.tree, &scene, &path).expect("written");
+    let [path, as_text] = ["five.npz", "five.json"].map(|name| folder.path().join(name));
+    for path in [&path, &as_text] {
+        tree_file::save(&ours.tree, &scene, path).expect("written");
+    }
     let mut window = window("soup:500", super::window::SIZE);
     let settled = |window: &mut super::window::Window, command: Command| {
         window.state_mut().push(command);
@@ -150,7 +152,7 @@ fn the_window_traces_a_valid_tree_and_draws_a_broken_one() {
     settled(&mut window, Command::Edit(Box::new(bring_back)));
     assert_eq!(world(&window).tree, ours.tree);
 
-    let text = std::fs::read_to_string(&path).expect("text");
+    let text = std::fs::read_to_string(&as_text).expect("text");
     let damaged = folder.path().join("damaged.json");
     std::fs::write(&damaged, text.replacen("\"leaf_first\": [0,", "\"leaf_first\": [7,", 1))
         .expect("written");

@@ -48,7 +48,7 @@ pub enum Content {
 impl fmt::Display for Content {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Child(at) => write!(f, "{at}"),
+            Self::Child(at) => write!(f, "what lies in {at}"),
             Self::Shape(shape) => write!(f, "shape {shape}"),
         }
     }
@@ -69,7 +69,7 @@ pub enum Violation {
     ShapeMissing { shape: u32 },
     #[error("{at}: its box has a side that is no finite number")]
     NotFinite { at: At },
-    #[error("{at}: what lies in {content} reaches out of its box by {by}")]
+    #[error("{at}: {content} reaches out of its box by {by}")]
     NotContained { at: At, content: Content, by: f32 },
     #[error("the leaves with parts of shape {shape} do not reach all sides of its box")]
     NotCovered { shape: u32 },

@@ -59,7 +59,7 @@ impl TreeFilePanel {
             }
         }
         ui.add_space(6.0);
-        self.marked(ui, view, commands);
+        Self::marked(ui, view, commands);
         let listed: Vec<&Violation> = findings
             .violations
             .iter()
@@ -85,19 +85,20 @@ impl TreeFilePanel {
     }
 
     /// What stands out in the viewport now.
-    fn marked(&mut self, ui: &mut Ui, view: &AppView, commands: &mut Commands) {
-        let Some(marked) = view.marked else {
-            widgets::caption(ui, view.palette, "Click a finding to see its box in the viewport.");
-            return;
+    fn marked(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
+        // The buttons are always there, so that the list below keeps its place.
+        match view.marked {
+            Some(marked) => widgets::caption(ui, view.palette, marked_text(marked)),
+            None => widgets::caption(ui, view.palette, "Click a finding to see its box in the viewport."),
         };
-        widgets::caption(ui, view.palette, marked_text(marked));
         ui.horizontal(|ui| {
-            let frame = ui.add_enabled(marked.around().is_some(), egui::Button::new("Frame"));
+            let has_box = view.marked.is_some_and(|marked| marked.around().is_some());
+            let frame = ui.add_enabled(has_box, egui::Button::new("Frame"));
             let frame = frame.on_hover_text("Moves the camera so that the marked boxes are seen.");
-            if frame.on_disabled_hover_text("It has no box that could be seen.").clicked() {
+            if frame.on_disabled_hover_text("Nothing is marked that has a box to be seen.").clicked() {
                 commands.push(Command::FrameMarked);
             }
-            if ui.button("Unmark").clicked() {
+            if ui.add_enabled(view.marked.is_some(), egui::Button::new("Unmark")).clicked() {
                 commands.push(Command::Mark(None));
             }
             for (color, name) in [(OWN, "its box"), (PARENT, "its parent's")] {
