@@ -374,7 +374,7 @@ fn an_interrupted_sweep_leaves_what_is_done_and_goes_on() {
     }
     assert!(code == Some(1) && said.contains("stopped after") && said.contains("--resume"), "{said}");
     let rows = fs::read_to_string(&path).expect("a file").lines().count() - 1;
-    assert!(rows >= 1 && rows < 120 && printed.contains("leaf"), "{rows} rows; {printed}");
+    assert!((1..120).contains(&rows) && printed.contains("leaf"), "{rows} rows; {printed}");
     assert_eq!(names(folder.path()), ["points.csv"], "no temporary file is left");
     let words =
         ["sweep", "soup:3000", "--size", "200x120", "--bins-grid", "2", "--leaf-grid", "1,2", "--csv"];
