@@ -231,6 +231,7 @@ fn boxes_are_switched_and_their_depths_dragged_over_the_bars() {
     harness.run();
     assert_eq!(harness.state().session.overlay.depths, None);
     harness.get_by_label("Show boxes").click();
+    harness.run();
     harness.get_by_label("Style fill").click();
     harness.get_by_label("Leaves only").click();
     harness.run();

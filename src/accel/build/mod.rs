@@ -213,6 +213,8 @@ pub fn build_over<B: Shapes + ?Sized>(
         }
         input => input,
     };
+    // Whatever was cut short by a cancel is no tree.
+    task.check()?;
     let mut steps = Steps { config, task, clock: &mut clock, rounds: Vec::new() };
     let tree = match config.width {
         Width::W2 => Tree::W2(steps.finish(input)?),

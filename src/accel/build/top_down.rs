@@ -111,6 +111,8 @@ pub fn build<const N: usize, O: Order, S: Splitter<O>>(
     if count < CHECK_MIN {
         task.advance(count as u64);
     }
+    // What a splitter finds once the task is cancelled means nothing.
+    task.check()?;
     clock.finish("split");
     assemble(segments, &mut tree);
     tree.refs = shapes;

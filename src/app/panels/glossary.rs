@@ -87,7 +87,7 @@ glossary! {
     ShowBoxes "Show boxes" "Draws the boxes of the tree over the picture."
     BoxStyle "Style" "How a box is drawn: its edges, its sides, or as one of many that add up."
     BoxColor "Colour" "What the colour of a box tells."
-    ColorScale "" "What the colours of the boxes mean, from the lowest to the highest value."
+    ColorScale "Scale" "What the colours of the boxes mean, from the lowest to the highest value."
     LeavesOnly "Leaves only" "Draws the boxes of leaves and leaves out inner nodes."
     Hidden "Hidden lines" "Draws what lies behind surfaces, too."
     Budget "Budget" "The most boxes that are drawn at once: the largest on screen go first."

@@ -77,18 +77,14 @@ impl PointTable {
 
     fn heading(&mut self, ui: &mut Ui, column: &'static Column) {
         let sorted = self.by == column.key;
-        let mark = if !sorted {
-            ""
-        } else if self.reversed {
-            " ▼"
-        } else {
-            " ▲"
-        };
-        let text = RichText::new(format!("{}{mark}", column.heading())).small().strong();
+        let text = RichText::new(column.heading()).small().strong();
         ui.spacing_mut().button_padding.x = 2.0;
         let button = Button::new(text).frame_when_inactive(false).truncate();
         let response = ui.add_sized(ui.available_size(), button);
         let response = response.accessible_name(format!("Sort by {}", column.heading()));
+        if sorted {
+            sort_mark(ui, response.rect, self.reversed);
+        }
         if response.on_hover_text(format!("{}.", widgets::capitalised(column.meaning))).clicked() {
             self.reversed = sorted && !self.reversed;
             self.by = column.key;
@@ -112,6 +108,14 @@ impl PointTable {
         });
         order
     }
+}
+
+/// A small triangle at the upper edge of a heading: up for ascending values.
+fn sort_mark(ui: &Ui, heading: egui::Rect, reversed: bool) {
+    let (middle, up) = (heading.center_top() + egui::vec2(0.0, 3.0), if reversed { 1.0 } else { -1.0 });
+    let corners = [[-3.5, -2.0], [3.5, -2.0], [0.0, 2.0]].map(|[x, y]| middle + egui::vec2(x, up * y));
+    let color = ui.visuals().strong_text_color();
+    ui.painter().add(egui::Shape::convex_polygon(corners.to_vec(), color, egui::Stroke::NONE));
 }
 
 fn columns(points: &[SweepPoint], width: f32) -> Vec<&'static Column> {
