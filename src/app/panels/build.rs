@@ -169,9 +169,13 @@ fn builder_sliders(ui: &mut Ui, config: &BuildConfig, commands: &mut Commands) -
 
 fn choices(ui: &mut Ui, config: &BuildConfig, commands: &mut Commands) {
     let describe = |b: Builder| (b.name(), b.description());
-    if let Some(builder) =
+    // With those of other libraries there are too many for buttons.
+    let chosen = if Builder::ALL.iter().any(|builder| builder.is_peer()) {
+        widgets::combo(ui, Term::Builder, Some(config.builder), &Builder::ALL, &describe, "")
+    } else {
         widgets::segmented(ui, Term::Builder, Some(config.builder), &Builder::ALL, &describe)
-    {
+    };
+    if let Some(builder) = chosen {
         commands.edit(move |s| s.build_mut().builder = builder);
     }
     let describe = |w: Width| match w {
