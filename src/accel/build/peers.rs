@@ -59,13 +59,17 @@ pub fn build<B: Shapes + ?Sized>(
     task.check()?;
     name_shapes(&mut bvh, refs);
     bvh.limit_depth(BuildConfig::MAX_DEPTH);
+    task.advance(refs.len() as u64);
     Ok(bvh)
 }
 
 /// Puts shapes in the place of references. Parts of a shape that lie in one leaf become one.
 fn name_shapes(bvh: &mut Bvh2, refs: &[BuildRef]) {
     let mut named = Vec::with_capacity(bvh.refs.len());
-    for leaf in bvh.nodes.iter_mut().filter(|node| node.is_leaf()) {
+    let mut leaves: Vec<_> = bvh.nodes.iter_mut().filter(|node| node.is_leaf()).collect();
+    // References stay in depth-first order.
+    leaves.sort_unstable_by_key(|leaf| leaf.first);
+    for leaf in leaves {
         let mut shapes: Vec<u32> = bvh.refs[leaf.range()].iter().map(|&i| refs[i as usize].shape()).collect();
         shapes.sort_unstable();
         shapes.dedup();
