@@ -1,5 +1,8 @@
 //! The program from outside: every command on small scenes, its results, its exit codes, and what it says to bad input.
 
+#[path = "cli/films.rs"]
+mod films;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -424,6 +427,65 @@ fn compare_holds_two_settings_against_each_other() {
         refusal(&mut small("compare", &["--a", "--builder best"]), 2)
             .contains("median, sweep, binned, spatial")
     );
+}
+
+#[test]
+fn compare_says_how_sure_the_ray_cost_is() {
+    let words = ["--a", "--builder random", "--b", "--builder sweep"];
+    let cost = json(small("compare", &words).arg("--json"))["camera_ray_cost"].clone();
+    let number = |side: &str, key: &str| cost[side][key].as_f64().expect("a number");
+    let difference = number("b", "mean") - number("a", "mean");
+    assert!((number("difference", "mean") - difference).abs() < 1e-9, "{cost}");
+    assert!(difference < 0.0 && number("difference", "half_width_95") > 0.0, "{cost}");
+    let page = stdout(&mut small("compare", &words));
+    assert!(page.contains("95 % interval") && page.contains("±"), "{page}");
+    let csv = stdout(small("compare", &words).arg("--csv"));
+    assert!(csv.contains("camera_ray_cost_half_width_95,"), "{csv}");
+    // Other costs are other units.
+    let units = ["--a", "--traversal-cost 2", "--b", "--leaf 3"];
+    let output = small("compare", &units).assert().code(0).get_output().clone();
+    assert!(String::from_utf8_lossy(&output.stderr).contains("different units"));
+}
+
+#[test]
+fn compare_takes_two_scenes_and_two_moments() {
+    let two = json(&mut small("compare", &["--a", "soup:40", "--b", "soup:90 --leaf 4", "--json"]));
+    assert_eq!((&two["a"]["shape_count"], &two["b"]["shape_count"]), (&40.into(), &90.into()));
+    assert_eq!(two["differences"]["shape_count"]["difference"], 50.0);
+    let page = stdout(&mut small("compare", &["--b", "soup:90"]));
+    assert!(page.contains("A: ") && page.contains("B: ") && page.contains("90 shapes"), "{page}");
+    let moved = ["compare", "bunny", "--size", "64x36", "--b", "--time 0.7", "--json"];
+    let moved = json(&mut program(&moved));
+    assert_eq!(moved["differences"]["shape_count"]["difference"], 0.0);
+    assert_ne!(moved["differences"]["sah_cost"]["difference"], 0.0);
+    assert!(refusal(&mut small("compare", &["--a", "a.ron"]), 2).contains("name a scene"));
+}
+
+#[test]
+fn compare_writes_pictures_that_open_as_both_states() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let (both, difference) = (at("both.png"), at("difference.png"));
+    let words = ["--view", "ray-cost", "--a", "--builder median", "--b", "--builder sweep --time 0.5"];
+    let mut command = small("compare", &words);
+    stdout(command.arg("--out").arg(&both).arg("--difference").arg(&difference));
+    let size = |path| image::image_dimensions(path).expect("a picture");
+    assert!(size(&both).0 == 2 * size(&difference).0 + 4, "{:?} {:?}", size(&both), size(&difference));
+    let session = session_file::open(&both).expect("a session");
+    let states: Vec<_> = (0..2)
+        .map(|i| (&*session.variants[i].name, session.variants[i].build.builder.name(), session.time_of(i)))
+        .collect();
+    assert_eq!(states, [("A", "median", 0.0), ("B", "sweep", 0.5)]);
+    let out = at("x.png").to_string_lossy().into_owned();
+    for (words, expected) in [
+        (["--b", "--leaf 4", "--difference", &out], "choose --view depth, nodes-visited"),
+        (["--b", "--view ray-cost", "--difference", &out], "the same view"),
+        (["--b", "--leaf 4", "--out", "x.exr"], "must end in .png"),
+    ] {
+        let message = refusal(&mut small("compare", &words), 2);
+        assert!(message.contains(expected), "{message}");
+    }
+    assert!(!at("x.png").exists());
 }
 
 #[test]

@@ -88,7 +88,7 @@ fn assert_none(rule: &str, found: &[String]) {
 #[test]
 fn imports_go_downward_only() {
     let found = offenders(
-        |s| s.layer != "lib" && s.layer != "main",
+        |s| !["lib", "main", "engine", "build"].contains(&s.layer.as_str()),
         |source, line| {
             let Some((_, allowed)) = LAYERS.iter().find(|(name, _)| *name == source.layer) else {
                 return true;
@@ -102,6 +102,25 @@ fn imports_go_downward_only() {
         },
     );
     assert_none("an import goes upward, or a folder is not in the map", &found);
+}
+
+/// Layers that are compiled as a crate of their own.
+const ENGINE: [&str; 7] = ["task", "geometry", "scene", "accel", "world", "render", "inspect"];
+
+#[test]
+fn the_engine_is_all_up_to_inspect() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let modules = |file: &str| -> Vec<String> {
+        let text = fs::read_to_string(root.join(file)).expect("UTF-8 source");
+        let names = text.lines().filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';'));
+        names.map(str::to_owned).collect()
+    };
+    for (layer, allowed) in LAYERS {
+        let in_engine = ENGINE.contains(layer);
+        assert_eq!(modules("engine.rs").contains(&(*layer).to_owned()), in_engine, "{layer}");
+        assert_eq!(modules("lib.rs").contains(&(*layer).to_owned()), !in_engine, "{layer}");
+        assert!(!in_engine || allowed.iter().all(|below| ENGINE.contains(below)), "{layer}");
+    }
 }
 
 #[test]

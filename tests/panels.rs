@@ -3,8 +3,14 @@
 //! Pictures need a graphics driver for tests (Mesa's lavapipe will do). Without one, what needs pictures says that it
 //! is skipped; `BVHSCOPE_REQUIRE_GPU=1` makes that a failure. `BVHSCOPE_PANEL_PICTURES=folder` keeps the pictures.
 
+#[path = "panels/compare.rs"]
+mod compare;
 #[path = "panels/fixture.rs"]
 mod fixture;
+#[path = "panels/nodes.rs"]
+mod nodes;
+#[path = "panels/plots.rs"]
+mod plots;
 #[path = "panels/trees.rs"]
 mod trees;
 #[path = "panels/window.rs"]
@@ -15,7 +21,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use bvhscope::accel::{Builder, Layout, Width};
 use bvhscope::app::commands::SaveTarget;
 use bvhscope::app::panels::PanelKind;
-use bvhscope::app::view::{CompareStyle, Stale, SweepState, TableState};
+use bvhscope::app::view::{CompareStyle, CompareViews, Stale, SweepState, TableState};
 use bvhscope::render::{BoxStyle, View};
 use bvhscope::scene::{SceneRef, UpAxis};
 use bvhscope::world::NodeFigure;
@@ -411,8 +417,8 @@ fn shadows_are_compared_in_two_pictures() {
     harness.run();
     let views = harness.state().compare.expect("two pictures");
     assert_eq!(
-        (views.left, views.right, views.style),
-        (View::ShadowIntersect, View::ShadowOccluded, CompareStyle::Wipe)
+        views,
+        CompareViews::of_views(View::ShadowIntersect, View::ShadowOccluded, CompareStyle::Wipe)
     );
     harness.get_by_label("Light passes glass + mirror").click();
     harness.get_by_label("Picture difference").click();

@@ -174,7 +174,7 @@ mod common {
         estimate(samples, |sample| {
             let pass = Pass::new(world, camera, size, settings, ShadowRule::Glass, sample);
             picture_mean(settings, |x, y| {
-                path::radiance(&pass, estimator, pass.camera_ray(x, y), &mut pass.sampler(x, y))
+                path::radiance(&pass, estimator, pass.camera_ray(x, y), &mut pass.sampler(x, y), &mut ())
             })
         })
     }

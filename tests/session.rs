@@ -172,7 +172,7 @@ fn one_variant() -> impl Strategy<Value = Session> {
                 ground,
                 up,
                 camera: camera.map(|camera| Camera { up, ..camera }),
-                variants: vec![Variant { name: "A".to_owned(), build, tree: None }],
+                variants: vec![Variant { build, ..Variant::default() }],
                 view,
                 count,
                 shadow_rule,
@@ -187,22 +187,24 @@ fn one_variant() -> impl Strategy<Value = Session> {
 
 /// Any session: several variants, and a scene that is remembered.
 fn any_session() -> impl Strategy<Value = Session> {
-    let variant = ("[^\\x00-\\x1f\\x7f-\\x9f]{1,20}", build()).prop_map(|(name, build)| Variant {
-        name,
-        build,
-        tree: None,
-    });
+    let own = (option::of("soup:[1-9]"), option::of(-1e6f32..=1e6));
+    let variant =
+        ("[^\\x00-\\x1f\\x7f-\\x9f]{1,20}", build(), own).prop_map(|(name, build, (scene, time))| {
+            let scene = scene
+                .map(|name| SessionScene { reference: SceneRef::Builtin(name), ..SessionScene::default() });
+            Variant { name, build, tree: None, scene, time }
+        });
     let variants = (proptest::collection::vec(variant, 1..6), any::<prop::sample::Index>());
     let remembered = (option::of("[0-9a-f]{64}"), option::of(any::<u32>()));
-    (one_variant(), variants, remembered).prop_map(|(session, (variants, active), (hash, count))| Session {
-        active: active.index(variants.len()),
-        variants,
-        scene: SessionScene {
+    (one_variant(), variants, remembered).prop_map(|(session, (variants, active), (hash, count))| {
+        let active = active.index(variants.len());
+        let scene = SessionScene {
             content_hash: hash.unwrap_or_default(),
             shape_count: count.map(|c| c as usize),
             ..session.scene.clone()
-        },
-        ..session
+        };
+        // The active state has no scene and no moment of its own.
+        Session { active, variants, scene, ..session }.activated(active)
     })
 }
 
@@ -277,8 +279,11 @@ proptest! {
         let folder = tempfile::tempdir().expect("a folder");
         let absolute = |session: &Session| {
             let mut session = session.clone();
-            if let SceneRef::File(path) = &mut session.scene.reference {
-                *path = std::path::absolute(&*path).expect("a path");
+            let own = session.variants.iter_mut().filter_map(|variant| variant.scene.as_mut());
+            for scene in own.chain([&mut session.scene]) {
+                if let SceneRef::File(path) = &mut scene.reference {
+                    *path = std::path::absolute(&*path).expect("a path");
+                }
             }
             session
         };

@@ -1,22 +1,28 @@
 //! Commands become changes: of the state, of the layout, or jobs that start.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use glam::Vec3;
 
-use super::commands::{Command, ExportRequest, Mark};
+use super::commands::{Command, ExportRequest, Hide, Mark, SaveTarget};
+use super::inspection::{RayOrigin, RayView};
 use super::jobs::dialog::{DialogAnswer, Purpose};
 use super::jobs::load::Source;
 use super::layout::Layout;
 use super::panels::{PanelKind, Panels};
+use super::popups::Popups;
+use super::selection::{Go, Pick};
 use super::stages::{self, Jobs};
 use super::state::State;
 use super::theme;
 use super::theme::Palette;
+use super::undo::Undo;
 use super::view::Marked;
 use crate::export::session_file;
 use crate::export::tree_file::is_tree_path;
+use crate::inspect::node::shapes_below;
 use crate::render::View;
 use crate::scene::{Camera, SceneRef, ShadowRule, UpAxis};
 use crate::session::{Session, SessionScene};
@@ -35,6 +41,8 @@ pub struct Target<'a> {
     pub jobs: &'a mut Jobs,
     pub layout: &'a mut Layout,
     pub panels: &'a mut Panels,
+    pub undo: &'a mut Undo,
+    pub popups: &'a mut Popups,
     pub ctx: &'a egui::Context,
 }
 
@@ -51,6 +59,19 @@ impl Target<'_> {
             Command::BuildOwnTree => self.edit(Box::new(|session| session.set_tree(None))),
             Command::Mark(mark) => self.mark(mark),
             Command::FrameMarked => self.frame_marked(),
+            Command::Select { pick, add } => self.select(pick, add),
+            Command::SetRegion(region) => self.state.region = region,
+            Command::GoToPixel(pixel) => self.go_to_pixel(pixel),
+            Command::Hide(what) => self.hide(what),
+            Command::ClearSelection => self.state.selections.clear(),
+            Command::GoSelection(way) => self.go(way),
+            Command::FrameSelection => self.frame_selection(),
+            Command::SetTreeView(view) => self.state.tree_view = view,
+            Command::SetRayView(view) => self.state.inspection.view = view,
+            Command::SetSplitView(view) => self.state.splitting.set(view),
+            Command::SetPlayerView(view) => self.state.player.view = view,
+            Command::StepRay { forward } => self.step_ray(forward),
+            Command::LookAtRay => self.look_at_ray(),
             Command::AskOpen => self.jobs.dialogs.ask_open(&self.jobs.context),
             Command::AskSavePath { target, suggested } => {
                 self.jobs.dialogs.ask_save(&self.jobs.context, target, &suggested);
@@ -74,6 +95,8 @@ impl Target<'_> {
                 self.changed();
                 self.state.compare = compare;
             }
+            Command::ActivateVariant(index) => self.activate_variant(index),
+            Command::TimeComparison => stages::ab::time_frames(self.state),
             Command::Export(request) => self.export(request),
             Command::CancelExport => stages::export::cancel(self.jobs, self.state),
             Command::CopyText { text, what } => {
@@ -85,6 +108,7 @@ impl Target<'_> {
             Command::SetDark(dark) => self.set_dark(dark),
             Command::ResetLayout => *self.layout = Layout::default(),
             Command::ShowPanel { panel, shown } => self.layout.show(panel, shown),
+            Command::Ask(asked) => self.ask(asked),
         }
     }
 
@@ -103,6 +127,10 @@ impl Target<'_> {
         for answer in self.jobs.dialogs.poll() {
             match answer {
                 DialogAnswer::Open(path) => self.open_path(path),
+                // It was asked for by the plot's own menu.
+                DialogAnswer::Save(SaveTarget::Plot, path) => {
+                    self.export(ExportRequest::Plot { path: with_extension(path, "svg") });
+                }
                 DialogAnswer::Save(target, path) => {
                     let path = with_extension(path, target.extensions()[0]);
                     self.panels.path_chosen(target, path);
@@ -132,7 +160,7 @@ impl Target<'_> {
         stages::export::save_session(self.jobs, self.state, with_extension(path, "ron"));
     }
 
-    fn edit(&mut self, change: Box<dyn FnOnce(&mut Session) + Send>) {
+    pub(super) fn edit(&mut self, change: Box<dyn FnOnce(&mut Session) + Send>) {
         let before = self.state.session.clone();
         let camera = self.state.camera();
         change(&mut self.state.session);
@@ -154,7 +182,7 @@ impl Target<'_> {
         self.changed();
     }
 
-    fn changed(&mut self) {
+    pub(super) fn changed(&mut self) {
         self.state.last_change = Instant::now();
     }
 
@@ -203,6 +231,69 @@ impl Target<'_> {
         self.changed();
     }
 
+    fn select(&mut self, pick: Pick, add: bool) {
+        let Some(document) = &self.state.document else { return };
+        let seen = self.state.visible_world().unwrap_or(&document.world);
+        let seen = Arc::clone(seen);
+        self.state.selections.pick(&document.world, &seen, document.tree, pick, add);
+        // Nothing under the mouse has no rays worth a look, but for the camera ray itself.
+        if let Pick::Pixel { camera, pixel, .. } = pick {
+            let origin = Some(RayOrigin::Pixel { camera, pixel });
+            self.state.inspection.view = RayView { origin, ..self.state.inspection.view };
+        }
+    }
+
+    fn go_to_pixel(&mut self, pixel: [u32; 2]) {
+        if let (Some(camera), Some(size)) = (self.state.camera(), self.state.picture_size()) {
+            self.select(Pick::Pixel { camera, size, pixel }, false);
+        }
+    }
+
+    fn hide(&mut self, what: Hide) {
+        let Some(document) = &self.state.document else { return };
+        let nodes = self.state.selections.current().map_or(&[][..], |selection| &selection.nodes);
+        let shapes = shapes_below(document.world.shown_tree(), nodes);
+        match what {
+            Hide::Selected => self.state.hidden.hide(&shapes),
+            Hide::Others => self.state.hidden.show_only(&shapes, document.world.scene.shape_count()),
+            Hide::Nothing => self.state.hidden.show_all(),
+        }
+        self.changed();
+    }
+
+    fn go(&mut self, way: Go) {
+        let census = self.state.census().map(Arc::clone);
+        self.state.selections.go(way, census.as_ref().map(|census| &census.family));
+    }
+
+    fn step_ray(&mut self, forward: bool) {
+        let inspection = &mut self.state.inspection;
+        if let Some(found) = &inspection.found {
+            let chosen = found.neighbour(inspection.view.chosen, forward);
+            inspection.view = RayView { chosen, step: usize::MAX, playing: false, ..inspection.view };
+        }
+    }
+
+    fn look_at_ray(&mut self) {
+        let Some(document) = &self.state.document else { return };
+        let Some(ray) = self.state.inspection.ray() else { return };
+        let size = document.world.tree.bounds().extent().length();
+        let end = ray.ray.at(ray.t.unwrap_or(size / ray.ray.direction.length()));
+        let camera = Camera::aside(ray.ray.origin, end, self.state.session.up);
+        self.edit(Box::new(move |session| session.camera = Some(camera)));
+    }
+
+    fn frame_selection(&mut self) {
+        let bounds = self.state.selected_bounds().into_iter().map(|(_, bounds)| bounds);
+        match bounds.reduce(|a, b| a.union(b)) {
+            Some(bounds) => {
+                let camera = Camera::framing(&bounds, self.state.session.up);
+                self.edit(Box::new(move |session| session.camera = Some(camera)));
+            }
+            None => self.frame_scene(),
+        }
+    }
+
     fn frame_marked(&mut self) {
         let Some(bounds) = self.state.marked.as_ref().and_then(Marked::around) else { return };
         let camera = Camera::framing(&bounds, self.state.session.up);
@@ -220,6 +311,18 @@ impl Target<'_> {
             session.scene = SessionScene::default();
             show_false_shadow(&mut session);
             self.open(Source::Session(Box::new(session)));
+        }
+    }
+
+    fn activate_variant(&mut self, index: usize) {
+        if index >= self.state.session.variants.len() {
+            return;
+        }
+        let session = self.state.session.activated(index);
+        if session.scene.reference == self.state.session.scene.reference {
+            self.edit(Box::new(move |target| *target = session));
+        } else {
+            self.open(Source::Session(Box::new(Session { camera: None, ..session })));
         }
     }
 

@@ -3,13 +3,21 @@
 use std::path::PathBuf;
 
 use crate::accel::validate::At;
+use crate::export::animation::Frames;
+use crate::export::picture::Extras;
 use crate::export::tree_file;
+use crate::inspect::region::Region;
 use crate::scene::SceneRef;
 use crate::session::Session;
 
+pub use super::asked::Asked;
+use super::inspection::RayView;
 use super::jobs::sweep::SweepPlan;
 use super::panels::PanelKind;
-use super::view::CompareViews;
+use super::player::PlayerView;
+use super::selection::{Go, Pick};
+use super::splitting::SplitView;
+use super::view::{CompareViews, TreeView};
 
 /// One request. Nothing is lost: every command of a frame is applied, in order.
 pub enum Command {
@@ -33,6 +41,36 @@ pub enum Command {
     Mark(Option<Mark>),
     /// Frames the camera to what is marked.
     FrameMarked,
+    /// Selects a node; `add`: beside what is selected.
+    Select {
+        pick: Pick,
+        add: bool,
+    },
+    ClearSelection,
+    /// Looks at the numbers of a part of the picture.
+    SetRegion(Option<Region>),
+    /// Selects what a pixel of the picture shows, and looks at its rays.
+    GoToPixel([u32; 2]),
+    /// Hides shapes, or shows them again.
+    Hide(Hide),
+    /// Goes from what is selected to its parent, or through what was selected before.
+    GoSelection(Go),
+    /// Frames the camera to what is selected; to the whole scene if nothing is.
+    FrameSelection,
+    /// How the Tree panel looks at the tree.
+    SetTreeView(TreeView),
+    /// Which rays are looked at, and how.
+    SetRayView(RayView),
+    /// How the splits of the selected node are looked at.
+    SetSplitView(SplitView),
+    /// Which step of the tree's construction is shown.
+    SetPlayerView(PlayerView),
+    /// Moves the camera so that the chosen ray is seen from the side.
+    LookAtRay,
+    /// To another ray in the order of the outline.
+    StepRay {
+        forward: bool,
+    },
     /// Shows the system's file dialog for a file to write, off the window's thread. The answer goes to
     /// [`Panels::path_chosen`](super::panels::Panels::path_chosen); nothing is written yet.
     AskSavePath {
@@ -59,8 +97,12 @@ pub enum Command {
     ClearSweep,
     /// Sets view, camera and scene so that the false shadow on the glossy floor is seen.
     ShadowPreset,
-    /// Shows two views at once in the viewport; `None` goes back to the session's one.
+    /// Shows two pictures at once in the viewport; `None` goes back to the session's one.
     SetCompareViews(Option<CompareViews>),
+    /// Makes another state of the session the one that is edited; opens its scene if that is another one.
+    ActivateVariant(usize),
+    /// Times frames with the trees of both sides, with nothing else running.
+    TimeComparison,
     Export(ExportRequest),
     CancelExport,
     CopyText {
@@ -80,6 +122,19 @@ pub enum Command {
         panel: PanelKind,
         shown: bool,
     },
+    /// What has to do with the window as a whole.
+    Ask(Asked),
+}
+
+/// Which shapes are hidden.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hide {
+    /// Those below the selected nodes, too.
+    Selected,
+    /// All others.
+    Others,
+    /// None.
+    Nothing,
 }
 
 /// What can be marked in the viewport.
@@ -100,11 +155,24 @@ pub enum SaveTarget {
     Sweep,
     Session,
     Tree,
+    Plot,
+    Animation,
+    Report,
 }
 
 impl SaveTarget {
-    pub const ALL: [Self; 7] =
-        [Self::Picture, Self::Window, Self::Raw, Self::Figures, Self::Sweep, Self::Session, Self::Tree];
+    pub const ALL: [Self; 10] = [
+        Self::Picture,
+        Self::Window,
+        Self::Raw,
+        Self::Figures,
+        Self::Sweep,
+        Self::Session,
+        Self::Tree,
+        Self::Plot,
+        Self::Animation,
+        Self::Report,
+    ];
 
     /// What the file is, as in a dialog's title.
     pub fn name(self) -> &'static str {
@@ -116,6 +184,9 @@ impl SaveTarget {
             Self::Sweep => "points of the sweep",
             Self::Session => "session",
             Self::Tree => "tree",
+            Self::Plot => "plot",
+            Self::Animation => "animation",
+            Self::Report => "report",
         }
     }
 
@@ -128,6 +199,9 @@ impl SaveTarget {
             Self::Sweep => &["csv", "json"],
             Self::Session => &["ron"],
             Self::Tree => &tree_file::EXTENSIONS,
+            Self::Plot => &["svg", "png", "csv"],
+            Self::Animation => &["png", "gif"],
+            Self::Report => &["html"],
         }
     }
 }
@@ -137,14 +211,21 @@ impl SaveTarget {
 pub enum ExportRequest {
     /// The viewport, rendered at this size with this many samples.
     Picture { path: PathBuf, width: u32, height: u32, samples: u32, overlay: bool, legend: bool },
+    /// Pictures in a row, rendered at this size with this many samples: `.png` (animated, or a file a frame where the name
+    /// has a `#`) or `.gif`.
+    Animation { path: PathBuf, size: [u32; 2], samples: u32, extras: Extras, frames: Frames },
     /// The whole window as it is.
     Window { path: PathBuf },
     /// The raw numbers or linear colours of the viewport's film: `.exr` or `.csv`.
     Raw { path: PathBuf },
     /// The figures of the current tree: `.json` or `.csv`.
     Figures { path: PathBuf },
+    /// Pictures, figures, plots and settings as one page: `.html`.
+    Report { path: PathBuf, size: [u32; 2], samples: u32 },
     /// The points of the sweep: `.csv` or `.json`.
     Sweep { path: PathBuf },
+    /// The plot that was chosen last: `.png`, `.svg` or `.csv`.
+    Plot { path: PathBuf },
     /// The tree that is traced, for other programs: `.npz` or `.json`.
     Tree { path: PathBuf },
 }

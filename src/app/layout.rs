@@ -6,13 +6,15 @@ use serde::{Deserialize, Serialize};
 use super::panels::PanelKind;
 
 /// Changes with the form or the meaning of what is stored: a layout of another version is not read.
-pub const STORAGE_KEY: &str = "bvhscope_layout_1";
+pub const STORAGE_KEY: &str = "bvhscope_layout_2";
 
 /// Widths of the columns at the sides of the first start, in points.
 const LEFT_WIDTH: f32 = 322.0;
 const RIGHT_WIDTH: f32 = 342.0;
 /// The part of the left column that the build has.
 const UPPER_SHARE: f32 = 0.45;
+/// The part of the right column that the figures have.
+const FIGURES_SHARE: f32 = 0.5;
 /// The viewport is never made narrower than this to keep the columns as wide as they were.
 const LEAST_VIEWPORT: f32 = 320.0;
 
@@ -44,10 +46,21 @@ impl Pane {
             Self::Panel(PanelKind::Boxes) => "which boxes of the tree are drawn over the picture",
             Self::Panel(PanelKind::Heatmap) => "what a ray costs at each pixel",
             Self::Panel(PanelKind::Cost) => "what the tree costs, and what more bins would do",
+            Self::Panel(PanelKind::Compare) => "two states, scenes or moments against each other",
             Self::Panel(PanelKind::Shadows) => "what an early-out shadow query gets wrong, and what it saves",
             Self::Panel(PanelKind::Table) => "five trees side by side on this scene",
             Self::Panel(PanelKind::Sweep) => "many trees on this scene, plotted, and the best of them",
             Self::Panel(PanelKind::TreeFile) => "a tree from another program, and what is wrong with it",
+            Self::Panel(PanelKind::Tree) => {
+                "the nodes of the tree: an outline, a plot, and all of the selected one"
+            }
+            Self::Panel(PanelKind::Rays) => {
+                "the rays of a pixel, and what each did in the tree, step by step"
+            }
+            Self::Panel(PanelKind::Splits) => {
+                "where the selected node could be split, and what that would cost"
+            }
+            Self::Panel(PanelKind::Construction) => "how the tree came about, step by step",
             Self::Panel(PanelKind::Export) => "pictures and figures as files",
         }
     }
@@ -171,10 +184,10 @@ pub fn simplification() -> SimplificationOptions {
     SimplificationOptions { all_panes_must_have_tabs: true, ..SimplificationOptions::default() }
 }
 
-/// At the left the settings of tree and boxes, in the middle the picture, at the right what the tree costs, with the
-/// whole height for its plots. What is needed less often lies behind tabs.
+/// At the left the settings of tree and boxes, in the middle the picture, at the right what the tree costs, and below that
+/// why: its nodes. What is needed less often lies behind tabs.
 fn default_tree() -> Tree<Pane> {
-    use PanelKind::{Boxes, Build, Cost, Export, Heatmap, Scene, Shadows, Sweep, Table, TreeFile};
+    use PanelKind::{Boxes, Build, Compare, Cost, Export, Heatmap, Scene, Shadows, Sweep, Table, TreeFile};
     let mut tiles = Tiles::default();
     let tabs = |tiles: &mut Tiles<Pane>, kinds: &[PanelKind]| {
         let children = kinds.iter().map(|k| tiles.insert_pane(Pane::Panel(*k))).collect();
@@ -188,7 +201,13 @@ fn default_tree() -> Tree<Pane> {
     let left = tiles.insert_container(left);
     let viewport = tiles.insert_pane(Pane::Viewport);
     let viewport = tiles.insert_tab_tile(vec![viewport]);
-    let right = tabs(&mut tiles, &[Cost, Table, Sweep, Shadows, TreeFile]);
+    let figures = tabs(&mut tiles, &[Cost, Compare, Table, Sweep, Shadows, TreeFile]);
+    let reasons =
+        tabs(&mut tiles, &[PanelKind::Tree, PanelKind::Rays, PanelKind::Splits, PanelKind::Construction]);
+    let mut right = Linear::new(LinearDir::Vertical, vec![figures, reasons]);
+    right.shares.set_share(figures, FIGURES_SHARE);
+    right.shares.set_share(reasons, 1.0 - FIGURES_SHARE);
+    let right = tiles.insert_container(right);
     let mut columns = Linear::new(LinearDir::Horizontal, vec![left, viewport, right]);
     columns.shares.set_share(left, LEFT_WIDTH);
     columns.shares.set_share(viewport, 1280.0 - LEFT_WIDTH - RIGHT_WIDTH);
@@ -250,11 +269,11 @@ mod tests {
     }
 
     #[test]
-    fn at_first_start_build_boxes_and_cost_are_in_front() {
+    fn at_first_start_build_boxes_cost_and_tree_are_in_front() {
         let layout = Layout::default();
         assert!(is_whole(&layout.tree));
         let showing: Vec<_> = PanelKind::ALL.into_iter().filter(|k| layout.is_showing(*k)).collect();
-        assert_eq!(showing, [PanelKind::Build, PanelKind::Boxes, PanelKind::Cost]);
+        assert_eq!(showing, [PanelKind::Build, PanelKind::Boxes, PanelKind::Cost, PanelKind::Tree]);
         assert!(PanelKind::ALL.into_iter().all(|k| layout.is_open(k)));
     }
 

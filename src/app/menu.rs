@@ -1,27 +1,28 @@
-//! The menu bar.
+//! The menu bar, made from the list of actions.
 
 use std::path::PathBuf;
 
 use egui::{Button, MenuBar, Ui};
 
+use super::actions::{Action, Around};
 use super::commands::{Command, Commands};
-use super::layout::{Layout, Pane};
 use super::panels::PanelKind;
-use super::shortcuts::{key_of, show_view};
 use super::view::AppView;
-use crate::render::{View, ViewClass};
-use crate::scene::SceneRef;
+use crate::render::View;
 use crate::scene::builtin::SCENES;
 
-/// Draws the bar. `help` is the page of shortcuts.
-pub fn ui(ui: &mut Ui, view: &AppView, layout: &Layout, help: &mut bool, commands: &mut Commands) {
+/// Draws the bar.
+pub fn ui(ui: &mut Ui, around: &Around, commands: &mut Commands) {
     MenuBar::new().ui(ui, |ui| {
-        ui.menu_button("File", |ui| file(ui, view, commands));
-        ui.menu_button("View", |ui| views(ui, view, layout, commands));
+        ui.menu_button("File", |ui| file(ui, around, commands));
+        ui.menu_button("Edit", |ui| {
+            items(ui, around, commands, [Action::Undo, Action::Redo]);
+            ui.separator();
+            items(ui, around, commands, [Action::CopyCamera, Action::PasteCamera]);
+        });
+        ui.menu_button("View", |ui| views(ui, around, commands));
         ui.menu_button("Help", |ui| {
-            if ui.add(Button::new("Shortcuts").shortcut_text("F1")).clicked() {
-                *help = true;
-            }
+            items(ui, around, commands, [Action::Palette, Action::Shortcuts]);
             ui.separator();
             ui.weak(concat!("bvhscope ", env!("CARGO_PKG_VERSION")));
         });
@@ -35,105 +36,92 @@ pub fn ask_save_session(view: &AppView) -> Command {
     Command::AskSaveSession { suggested: PathBuf::from(format!("{stem}.ron")) }
 }
 
-fn file(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
-    if ui
-        .add(Button::new("Open…").shortcut_text("Ctrl+O"))
-        .on_hover_text("A model (OBJ, PLY, STL, glTF), a session, or a PNG that carries one")
-        .clicked()
-    {
-        commands.push(Command::AskOpen);
-    }
-    if ui
-        .button("Import tree…")
-        .on_hover_text("A tree that another program built (NPZ, JSON): checked, shown, measured and compared")
-        .clicked()
-    {
-        commands.push(Command::AskImport);
-    }
+fn file(ui: &mut Ui, around: &Around, commands: &mut Commands) {
+    items(ui, around, commands, [Action::Open, Action::ImportTree]);
     ui.menu_button("Open built-in scene", |ui| {
-        for (name, about) in SCENES {
-            if ui.button(name).on_hover_text(about).clicked() {
-                commands.push(Command::OpenScene(SceneRef::Builtin(name.to_owned())));
-            }
+        for (index, (name, _)) in SCENES.iter().enumerate() {
+            item_called(ui, around, commands, Action::OpenBuiltin(index), name);
         }
     });
-    ui.add_enabled_ui(!view.recent.is_empty(), |ui| {
+    ui.add_enabled_ui(!around.view.recent.is_empty(), |ui| {
         ui.menu_button("Open recent", |ui| {
-            for scene in view.recent {
+            for (index, scene) in around.view.recent.iter().enumerate() {
                 let name = crate::app::jobs::load::short_name(scene);
-                if ui.button(name).on_hover_text(scene.text()).clicked() {
-                    commands.push(Command::OpenScene(scene.clone()));
-                }
+                item_called(ui, around, commands, Action::OpenRecent(index), &name);
             }
         });
     });
     ui.separator();
-    if ui
-        .add(Button::new("Save session…").shortcut_text("Ctrl+S"))
-        .on_hover_text("Scene, tree, camera, view and all settings, as a small text file")
-        .clicked()
-    {
-        commands.push(ask_save_session(view));
-    }
-    if ui
-        .add(Button::new("Export…").shortcut_text("Ctrl+E"))
-        .on_hover_text("Pictures, raw numbers and figures as files")
-        .clicked()
-    {
-        commands.push(Command::ShowPanel { panel: PanelKind::Export, shown: true });
+    items(ui, around, commands, [Action::SaveSession, Action::Export]);
+    let info = Action::ReopenAtStart.info(around);
+    let mut reopens = around.reopens;
+    if ui.checkbox(&mut reopens, info.name.as_ref()).on_hover_text(info.about).clicked() {
+        commands.push(Action::ReopenAtStart.command(around));
     }
     ui.separator();
-    if ui.add(Button::new("Quit").shortcut_text("Ctrl+Q")).clicked() {
-        ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
-    }
+    items(ui, around, commands, [Action::Quit]);
 }
 
-fn views(ui: &mut Ui, view: &AppView, layout: &Layout, commands: &mut Commands) {
+fn views(ui: &mut Ui, around: &Around, commands: &mut Commands) {
     ui.menu_button("Picture", |ui| {
-        for choice in View::ALL {
-            let mut button = Button::selectable(view.session.view == choice, title(choice));
-            if let Some(key) = key_of(choice) {
-                button = button.shortcut_text(key);
-            }
-            if ui.add(button).on_hover_text(choice.description()).clicked() {
-                commands.push(show_view(choice));
-            }
+        for view in View::ALL {
+            item_called(ui, around, commands, Action::ShowView(view), &super::actions::title(view));
         }
     });
-    if ui.add(Button::new("Frame scene").shortcut_text("F")).clicked() {
-        commands.push(Command::FrameScene);
-    }
-    if ui.add(Button::new("Reset camera").shortcut_text("R")).clicked() {
-        commands.push(Command::ResetCamera);
-    }
+    items(ui, around, commands, [Action::FrameScene, Action::ResetCamera]);
+    ui.menu_button("Bookmarks", |ui| {
+        items(ui, around, commands, [Action::AddBookmark]);
+        let bookmarks = &around.view.session.bookmarks;
+        if !bookmarks.is_empty() {
+            ui.separator();
+        }
+        for (index, bookmark) in bookmarks.iter().enumerate() {
+            item_called(ui, around, commands, Action::GoToBookmark(index), &bookmark.name);
+        }
+    });
     ui.separator();
     for kind in PanelKind::ALL {
-        let mut shown = layout.is_open(kind);
-        if ui.checkbox(&mut shown, kind.title()).on_hover_text(Pane::Panel(kind).about()).clicked() {
+        let info = Action::ShowPanel(kind).info(around);
+        let mut shown = around.layout.is_open(kind);
+        if ui.checkbox(&mut shown, kind.title()).on_hover_text(info.about).clicked() {
             commands.push(Command::ShowPanel { panel: kind, shown });
         }
     }
     ui.separator();
-    for (dark, label) in [(true, "Dark"), (false, "Light")] {
-        if ui.radio(view.palette.dark == dark, label).clicked() {
-            commands.push(Command::SetDark(dark));
+    for look in [Action::Dark, Action::Light] {
+        let info = look.info(around);
+        if ui.radio(info.on == Some(true), info.name.as_ref()).on_hover_text(info.about).clicked() {
+            commands.push(look.command(around));
         }
     }
     ui.separator();
-    if ui
-        .button("Reset layout")
-        .on_hover_text("All panels back to where they were at the first start")
-        .clicked()
-    {
-        commands.push(Command::ResetLayout);
+    items(ui, around, commands, [Action::ResetLayout]);
+}
+
+fn items<const N: usize>(ui: &mut Ui, around: &Around, commands: &mut Commands, actions: [Action; N]) {
+    for action in actions {
+        let name = action.info(around).name;
+        item_called(ui, around, commands, action, &name);
     }
 }
 
-/// A view's name for people.
-pub fn title(view: View) -> String {
-    let name = view.name().replace('-', " ");
-    match view.class() {
-        ViewClass::Heat => format!("{name} (heatmap)"),
-        ViewClass::Radiance | ViewClass::Data | ViewClass::Distance | ViewClass::Class => name,
+/// An action under a name that its menu makes clear.
+fn item_called(ui: &mut Ui, around: &Around, commands: &mut Commands, action: Action, name: &str) {
+    let info = action.info(around);
+    let mut button = match info.on {
+        Some(on) => Button::selectable(on, name),
+        None => Button::new(name),
+    };
+    let key = info.key_text(ui);
+    if !key.is_empty() {
+        button = button.shortcut_text(key);
+    }
+    let response = ui.add_enabled(info.obstacle.is_none(), button).on_hover_text(info.about);
+    let response = match info.obstacle {
+        Some(obstacle) => response.on_disabled_hover_text(obstacle),
+        None => response,
+    };
+    if response.clicked() {
+        commands.push(action.command(around));
     }
 }

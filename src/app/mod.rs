@@ -2,22 +2,32 @@
 //!
 //! A frame is: receive finished work, draw panels, apply commands, start work.
 
+pub mod ab;
+pub mod actions;
 mod apply;
+mod asked;
+mod autosave;
 pub mod commands;
 mod dock;
+pub mod inspection;
 pub mod jobs;
 pub mod layout;
 mod menu;
 pub mod messages;
 pub mod panels;
+pub mod player;
+mod popups;
 mod screenshot;
+pub mod selection;
 mod shell;
 mod shortcuts;
+pub mod splitting;
 pub mod stages;
 pub mod state;
 mod status;
 pub mod theme;
 mod toolbar;
+mod undo;
 pub mod view;
 mod viewport;
 
@@ -49,6 +59,8 @@ pub struct Startup {
     pub show_boxes: bool,
     /// Takes a picture of the window, and closes it.
     pub screenshot: Option<Screenshot>,
+    /// Nothing was named to open: shows what was shown last time, with these flags over it.
+    pub reopen: Option<Vec<(&'static str, String)>>,
 }
 
 /// Shows the window until it is closed.
@@ -57,11 +69,15 @@ pub struct Startup {
 /// When no window can be opened.
 pub fn run(session: Session, startup: Startup) -> anyhow::Result<()> {
     let screenshot = startup.screenshot.or_else(screenshot_from_environment);
+    // A picture of the window is of what was asked for.
+    let kept_session = if screenshot.is_none() { autosave::path() } else { None };
     let options = AppOptions {
         hold_progressive: false,
         show_boxes: startup.show_boxes,
         warnings: startup.warnings,
         screenshot,
+        kept_session,
+        reopen: startup.reopen,
     };
     let viewport = egui::ViewportBuilder::default()
         .with_title("bvhscope")

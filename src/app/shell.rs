@@ -1,22 +1,26 @@
 //! The program behind the window: one frame is receive finished work, draw panels, apply commands, start work.
 
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 use serde::{Deserialize, Serialize};
 
+use super::actions::Around;
 use super::apply::Target;
-use super::commands::{Command, Commands};
+use super::autosave::{self, Autosave};
+use super::commands::{Asked, Command, Commands};
 use super::dock::{self, Dock};
 use super::jobs::load::{Source, short_name};
 use super::layout::Layout;
 use super::panels::Panels;
+use super::popups::Popups;
 use super::screenshot::{Screenshot, ScreenshotJob};
-use super::shortcuts::{self, Asked};
 use super::stages::{self, Jobs, Now, Showing};
 use super::state::{SETTLE, State};
+use super::undo::Undo;
 use super::viewport::Viewport;
-use super::{DEFAULT_BOXES, menu, status, theme, toolbar};
+use super::{DEFAULT_BOXES, menu, shortcuts, status, theme, toolbar};
 use crate::scene::SceneRef;
 use crate::session::Session;
 
@@ -35,6 +39,10 @@ pub struct AppOptions {
     pub warnings: Vec<String>,
     /// Takes a picture of the window, and closes it.
     pub screenshot: Option<Screenshot>,
+    /// Where the session is kept from one run to the next; `None`: nowhere.
+    pub kept_session: Option<PathBuf>,
+    /// Shows the session that was kept, with these flags over it, unless the user has switched that off.
+    pub reopen: Option<Vec<(&'static str, String)>>,
 }
 
 /// What is kept between runs besides the layout.
@@ -42,11 +50,17 @@ pub struct AppOptions {
 struct Settings {
     dark: bool,
     recent: Vec<SceneRef>,
+    #[serde(default = "yes")]
+    reopen: bool,
+}
+
+fn yes() -> bool {
+    true
 }
 
 /// The program behind the window.
 pub struct App {
-    state: State,
+    pub(super) state: State,
     jobs: Jobs,
     layout: Layout,
     panels: Panels,
@@ -54,7 +68,9 @@ pub struct App {
     commands: Commands,
     options: AppOptions,
     screenshot: Option<ScreenshotJob>,
-    help: bool,
+    popups: Popups,
+    undo: Undo,
+    autosave: Autosave,
     title: String,
     /// When the moving scene was last moved on.
     moved_on: Option<Instant>,
@@ -66,10 +82,21 @@ impl App {
         let settings: Option<Settings> = cc.storage.and_then(|s| eframe::get_value(s, SETTINGS_KEY));
         let dark = settings.as_ref().is_none_or(|s| s.dark);
         theme::apply(&cc.egui_ctx, dark);
-        if options.show_boxes && session.overlay.depths.is_none() {
+        let reopens = settings.as_ref().is_none_or(|s| s.reopen);
+        let kept = kept_session(&options, reopens);
+        let reopened = matches!(kept, Ok(Some(_)));
+        let trouble = match kept {
+            Ok(kept) => {
+                session = kept.unwrap_or(session);
+                None
+            }
+            Err(message) => Some(message),
+        };
+        if options.show_boxes && !reopened && session.overlay.depths.is_none() {
             session.overlay.depths = Some(DEFAULT_BOXES);
         }
         let threads = session.render.threads;
+        let autosave = Autosave::new(options.kept_session.clone());
         let mut app = Self {
             state: State::new(session, dark),
             jobs: Jobs::new(cc.egui_ctx.clone(), threads),
@@ -79,12 +106,16 @@ impl App {
             commands: Commands::default(),
             screenshot: options.screenshot.clone().map(ScreenshotJob::new),
             options,
-            help: false,
+            popups: Popups::default(),
+            undo: Undo::default(),
+            autosave,
             title: String::new(),
             moved_on: None,
         };
+        app.state.hold = app.options.hold_progressive;
         app.state.recent = settings.map(|s| s.recent).unwrap_or_default();
-        for warning in app.options.warnings.clone() {
+        (app.state.reopen_at_start, app.state.reopened) = (reopens, reopened);
+        for warning in app.options.warnings.clone().into_iter().chain(trouble) {
             app.state.messages.error(warning);
         }
         stages::load::open(&mut app.jobs, &app.state, Source::Current);
@@ -113,6 +144,7 @@ impl App {
             && !stages::curve::waits(&self.jobs, &now)
             && !stages::table::waits(&self.jobs, &now)
             && !stages::sweep::waits(&self.jobs)
+            && self.autosave.is_idle()
     }
 
     fn now(&self) -> Now {
@@ -125,24 +157,40 @@ impl App {
             self.moved_on = self.state.animating.then_some(now.time);
             return;
         };
-        let shown = self.state.picture(0).is_some_and(|picture| {
-            self.state.document.as_ref().is_some_and(|d| picture.frame.key.scene == d.tree.scene)
+        // Where only other states are shown, nothing is to be waited for.
+        let shown = self.state.active_slot().is_none_or(|slot| {
+            self.state.picture(slot).is_some_and(|picture| {
+                self.state.document.as_ref().is_some_and(|d| picture.frame.key.scene == d.tree.scene)
+            })
         });
         if self.jobs.build.is_idle() && (shown || self.state.paused) {
             self.state.session.time += (now.time - before).as_secs_f32();
+            self.undo.time_flows(self.state.session.time);
             self.moved_on = Some(now.time);
         }
     }
 
     fn read_keys(&mut self, ui: &Ui) {
+        ui.input(|i| {
+            self.undo.mouse(i.pointer.any_pressed(), i.pointer.any_down() || i.pointer.any_released())
+        });
+        match self.popups.pasted(ui.ctx()) {
+            None => {}
+            Some(Ok(text)) => self.commands.push(Command::Ask(Asked::UseCamera(text))),
+            Some(Err(message)) => self.state.messages.error(message),
+        }
+        if self.popups.finder.is_some() {
+            return;
+        }
         let view = self.state.view();
-        for asked in shortcuts::read(ui, &view) {
-            match asked {
-                Asked::Command(command) => self.commands.push(command),
-                Asked::SaveSession => self.commands.push(menu::ask_save_session(&view)),
-                Asked::ToggleHelp => self.help = !self.help,
-                Asked::Quit => ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close),
-            }
+        let around = Around {
+            view: &view,
+            layout: &self.layout,
+            undo: &self.undo,
+            reopens: self.state.reopen_at_start,
+        };
+        for action in shortcuts::read(ui, &around) {
+            self.commands.push(action.command(&around));
         }
     }
 
@@ -153,7 +201,13 @@ impl App {
             let view = self.state.view();
             let commands = &mut self.commands;
             Panel::top("menu").frame(frame).show_separator_line(false).show(ui, |ui| {
-                menu::ui(ui, &view, &self.layout, &mut self.help, commands);
+                let around = Around {
+                    view: &view,
+                    layout: &self.layout,
+                    undo: &self.undo,
+                    reopens: self.state.reopen_at_start,
+                };
+                menu::ui(ui, &around, commands);
             });
             Panel::top("toolbar").frame(frame).show(ui, |ui| toolbar::ui(ui, &view, commands));
             Panel::bottom("status").frame(frame).show(ui, |ui| status::line(ui, &view, commands));
@@ -176,7 +230,14 @@ impl App {
             self.adopt_size(output.size);
         }
         self.draw_messages(ui);
-        shortcuts::help_window(ui, &mut self.help);
+        let view = self.state.view();
+        let around = Around {
+            view: &view,
+            layout: &self.layout,
+            undo: &self.undo,
+            reopens: self.state.reopen_at_start,
+        };
+        self.popups.ui(ui, &around, &mut self.commands);
         paint_drop_target(ui);
     }
 
@@ -212,6 +273,8 @@ impl App {
             jobs: &mut self.jobs,
             layout: &mut self.layout,
             panels: &mut self.panels,
+            undo: &mut self.undo,
+            popups: &mut self.popups,
             ctx,
         };
         for command in commands {
@@ -222,6 +285,7 @@ impl App {
         if let Some(path) = dropped.into_iter().next_back() {
             target.open_path(path);
         }
+        self.undo.observe(&self.state, Instant::now());
     }
 
     /// Asks for the frames that nothing else will ask for.
@@ -238,7 +302,8 @@ impl App {
         let state = &self.state;
         let statuses =
             [&state.loading, &state.building, &state.exporting, &state.table.running, &state.sweep.running];
-        if statuses.into_iter().any(Option::is_some) {
+        let ab = [&state.ab.panel.building, &state.ab.panel.measuring];
+        if statuses.into_iter().chain(ab).any(Option::is_some) {
             after(Duration::from_millis(100));
         }
         let waits = stages::table::waits(&self.jobs, now)
@@ -246,6 +311,12 @@ impl App {
             || stages::sweep::waits(&self.jobs);
         if waits {
             after(Duration::from_millis(200));
+        }
+        if self.state.player.view.playing {
+            after(Duration::from_secs_f32((0.5 / self.state.player.view.speed).clamp(0.015, 0.5)));
+        }
+        if self.state.inspection.view.playing {
+            after(Duration::from_secs_f32(0.5 / self.state.inspection.view.speed.max(1.0)));
         }
     }
 
@@ -278,6 +349,9 @@ impl eframe::App for App {
         self.jobs.start(&mut self.state, &now);
         self.set_title(&ctx);
         self.schedule(&ctx, &now);
+        if let Some(delay) = self.autosave.update(&self.jobs.context, &mut self.state, now.time) {
+            ctx.request_repaint_after(delay);
+        }
         if let Some(screenshot) = &mut self.screenshot {
             screenshot.update(&ctx, &self.state);
         }
@@ -285,8 +359,24 @@ impl eframe::App for App {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         self.layout.save(storage);
-        let settings = Settings { dark: self.state.dark, recent: self.state.recent.clone() };
+        let settings = Settings {
+            dark: self.state.dark,
+            recent: self.state.recent.clone(),
+            reopen: self.state.reopen_at_start,
+        };
         eframe::set_value(storage, SETTINGS_KEY, &settings);
+    }
+
+    fn on_exit(&mut self, _: Option<&eframe::glow::Context>) {
+        self.autosave.finish(&self.state);
+    }
+}
+
+/// The session of last time, if it is wanted and there is one.
+fn kept_session(options: &AppOptions, reopens: bool) -> Result<Option<Session>, String> {
+    match (&options.kept_session, &options.reopen) {
+        (Some(path), Some(flags)) if reopens => autosave::read(path, flags),
+        _ => Ok(None),
     }
 }
 

@@ -1,163 +1,122 @@
-//! The keys, what they do, and the page that lists them. No key does anything while a text field has the focus.
+//! The keys of the actions, and the page that lists them. No key does anything while a text field has the focus.
 
-use egui::{Key, Modifiers, Ui};
+use egui::{Event, Key, KeyboardShortcut, Ui};
 
-use super::commands::Command;
-use super::panels::PanelKind;
-use super::view::AppView;
-use crate::render::View;
+use super::actions::{Action, Around, Group, Info};
 
-/// What a key asks for.
-pub enum Asked {
-    Command(Command),
-    ToggleHelp,
-    SaveSession,
-    Quit,
-}
-
-/// The page of the help window: headings with keys and what they do.
-pub const PAGE: [(&str, &[(&str, &str)]); 3] = [
-    (
-        "In the viewport",
-        &[
-            ("left drag", "orbit around the target"),
-            ("middle drag, Shift + left drag", "pan"),
-            ("wheel", "move towards the target, or away"),
-            ("W A S D, Q E", "fly; with Shift faster"),
-            ("F", "frame the whole scene"),
-            ("R", "back to the scene's own camera"),
-        ],
-    ),
-    (
-        "Everywhere",
-        &[
-            ("Space, P", "pause or go on rendering"),
-            ("B", "boxes on or off"),
-            ("T", "animate, or stop"),
-            ("1 to 9, 0", "the views, in the order of the list"),
-            ("C", "end a comparison of two views"),
-        ],
-    ),
-    (
-        "Files and windows",
-        &[
-            ("Ctrl + O", "open a model or a session"),
-            ("Ctrl + S", "save the session"),
-            ("Ctrl + E", "the Export panel"),
-            ("F1", "this page"),
-            ("Ctrl + Q", "quit"),
-        ],
-    ),
+/// What the mouse does in the viewport, and the keys that are held there.
+const IN_THE_VIEWPORT: [(&str, &str); 6] = [
+    ("click, Ctrl + click", "select the leaf under the mouse; add it"),
+    ("left drag", "orbit around the target"),
+    ("middle drag, Shift + left drag", "pan"),
+    ("Shift + left drag in a heatmap", "mark a part of it; Shift + click ends that"),
+    ("wheel", "move towards the target, or away"),
+    ("W A S D, Q E", "fly; with Shift faster"),
 ];
-
-/// Views of the keys 1 to 9 and 0.
-const NUMBER_KEYS: [Key; 10] = [
-    Key::Num1,
-    Key::Num2,
-    Key::Num3,
-    Key::Num4,
-    Key::Num5,
-    Key::Num6,
-    Key::Num7,
-    Key::Num8,
-    Key::Num9,
-    Key::Num0,
-];
-
-/// The key of a view, for menus.
-pub fn key_of(view: View) -> Option<&'static str> {
-    const NAMES: [&str; 10] = ["1", "2", "3", "4", "5", "6", "7", "8", "9", "0"];
-    View::ALL.iter().position(|v| *v == view).and_then(|i| NAMES.get(i).copied())
-}
 
 /// What the keys of this frame ask for.
-pub fn read(ui: &Ui, view: &AppView) -> Vec<Asked> {
+pub fn read(ui: &Ui, around: &Around) -> Vec<Action> {
     if ui.ctx().text_edit_focused() {
+        return Vec::new();
+    }
+    let any = ui.input(|i| i.events.iter().any(|event| matches!(event, Event::Key { pressed: true, .. })));
+    if !any {
         return Vec::new();
     }
     // A focused button takes the space bar for itself.
     let space_is_free = !ui.ctx().egui_wants_keyboard_input();
+    let mut keys: Vec<(KeyboardShortcut, Action, bool)> = Vec::new();
+    for action in Action::all(around) {
+        let Info { keys: own, obstacle, .. } = action.info(around);
+        keys.extend(own.into_iter().map(|key| (key, action, obstacle.is_none())));
+    }
+    // egui lets a key with more modifiers than were asked for pass: ask for most of them first.
+    keys.sort_by_key(|(key, ..)| {
+        let held = key.modifiers;
+        std::cmp::Reverse([held.command, held.shift, held.alt].into_iter().filter(|held| *held).count())
+    });
     let mut asked = Vec::new();
     ui.input_mut(|input| {
-        let mut pressed = |modifiers, key| input.consume_key(modifiers, key);
-        let (none, ctrl) = (Modifiers::NONE, Modifiers::COMMAND);
-        if pressed(ctrl, Key::O) {
-            asked.push(Asked::Command(Command::AskOpen));
-        }
-        if pressed(ctrl, Key::S) {
-            asked.push(Asked::SaveSession);
-        }
-        if pressed(ctrl, Key::E) {
-            asked.push(Asked::Command(Command::ShowPanel { panel: PanelKind::Export, shown: true }));
-        }
-        if pressed(ctrl, Key::Q) {
-            asked.push(Asked::Quit);
-        }
-        if pressed(none, Key::F1) {
-            asked.push(Asked::ToggleHelp);
-        }
-        if pressed(none, Key::P) || (space_is_free && pressed(none, Key::Space)) {
-            asked.push(Asked::Command(Command::SetPaused(!view.render.paused)));
-        }
-        if pressed(none, Key::F) {
-            asked.push(Asked::Command(Command::FrameScene));
-        }
-        if pressed(none, Key::R) {
-            asked.push(Asked::Command(Command::ResetCamera));
-        }
-        if pressed(none, Key::B) {
-            asked.push(Asked::Command(toggle_boxes()));
-        }
-        if pressed(none, Key::T) {
-            asked.push(Asked::Command(Command::SetAnimating(!view.animating)));
-        }
-        if pressed(none, Key::C) && view.compare.is_some() {
-            asked.push(Asked::Command(Command::SetCompareViews(None)));
-        }
-        for (key, wanted) in NUMBER_KEYS.into_iter().zip(View::ALL) {
-            if pressed(none, key) {
-                asked.push(Asked::Command(show_view(wanted)));
+        for (key, action, enabled) in keys {
+            let is_free = key.logical_key != Key::Space || space_is_free;
+            if is_free && input.consume_shortcut(&key) && enabled {
+                asked.push(action);
             }
         }
     });
     asked
 }
 
-/// Boxes on, as they were, or off.
-pub fn toggle_boxes() -> Command {
-    Command::Edit(Box::new(|session| {
-        session.overlay.depths = match session.overlay.depths {
-            Some(_) => None,
-            None => Some(super::DEFAULT_BOXES),
-        };
-    }))
-}
-
-/// One view in the viewport.
-pub fn show_view(view: View) -> Command {
-    Command::Edit(Box::new(move |session| session.view = view))
-}
-
 /// The page, in a window of its own.
-pub fn help_window(ui: &Ui, open: &mut bool) {
+pub fn page(ui: &Ui, around: &Around, open: &mut bool) {
     let middle = ui.ctx().content_rect().center();
     egui::Window::new("Shortcuts")
         .open(open)
-        .default_pos(middle - egui::vec2(230.0, 270.0))
+        .default_pos(middle - egui::vec2(330.0, 250.0))
         .resizable(false)
         .collapsible(false)
         .show(ui.ctx(), |ui| {
-            egui::Grid::new("shortcuts").num_columns(2).spacing([28.0, 5.0]).show(ui, |ui| {
-                for (heading, lines) in PAGE {
-                    ui.strong(heading);
-                    ui.end_row();
-                    for (keys, what) in lines {
-                        ui.monospace(*keys);
-                        ui.label(*what);
-                        ui.end_row();
-                    }
-                    ui.end_row();
+            ui.horizontal_top(|ui| {
+                let halves: [&[Group]; 2] = [
+                    &[Group::File, Group::Edit, Group::Window, Group::Tree],
+                    &[Group::Camera, Group::Select, Group::Rays, Group::Picture],
+                ];
+                for (half, groups) in halves.into_iter().enumerate() {
+                    egui::Grid::new(("shortcuts", half)).num_columns(2).spacing([20.0, 5.0]).show(ui, |ui| {
+                        if half == 1 {
+                            section(
+                                ui,
+                                "In the viewport",
+                                IN_THE_VIEWPORT.map(|(key, what)| (key.into(), what.into())).to_vec(),
+                            );
+                        }
+                        for group in groups {
+                            section(ui, group.name(), lines(ui, around, *group));
+                        }
+                    });
+                    ui.add_space(18.0);
                 }
             });
+            ui.weak("Ctrl + P finds every action by its name, also those without a key.");
         });
+}
+
+fn section(ui: &mut Ui, heading: &str, lines: Vec<(String, String)>) {
+    if lines.is_empty() {
+        return;
+    }
+    ui.strong(heading);
+    ui.end_row();
+    for (keys, what) in lines {
+        ui.monospace(keys);
+        ui.label(what);
+        ui.end_row();
+    }
+    ui.end_row();
+}
+
+/// Keys with what they do. A family whose keys stand in a row takes one line.
+fn lines(ui: &Ui, around: &Around, group: Group) -> Vec<(String, String)> {
+    let mut lines = Vec::new();
+    for action in Action::PLAIN {
+        let info = action.info(around);
+        if info.group == group && !info.keys.is_empty() {
+            // What would be undone is of no interest here.
+            let name = match action {
+                Action::Undo => "Undo".into(),
+                Action::Redo => "Redo".into(),
+                Action::Shortcuts => "this page".into(),
+                _ => info.name.trim_end_matches('…').to_owned(),
+            };
+            lines.push((info.keys_text(ui), name));
+        }
+    }
+    match group {
+        Group::Picture => {
+            lines.push(("1 to 9, 0".to_owned(), "the views, in the order of the list".to_owned()))
+        }
+        Group::Camera => lines.push(("Ctrl+1 to Ctrl+9".to_owned(), "the bookmarks".to_owned())),
+        Group::File | Group::Edit | Group::Select | Group::Rays | Group::Tree | Group::Window => {}
+    }
+    lines
 }

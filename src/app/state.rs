@@ -5,20 +5,34 @@ use std::time::{Duration, Instant};
 
 use egui::ColorImage;
 
+use super::ab::Ab;
+use super::inspection::Inspection;
 use super::jobs::bin_curve::CurveKey;
+use super::jobs::census::VisitsKey;
 use super::jobs::figures::FiguresKey;
 use super::jobs::forecast::ForecastView;
+use super::jobs::region::RegionFigures;
 use super::jobs::render::{Frame, MOST_PICTURES, Pace};
 use super::jobs::shadow::ShadowKey;
 use super::jobs::table::TableKey;
+use super::jobs::visible::VisibleKey;
 use super::jobs::{OverlayKey, SceneKey, TreeKey};
 use super::messages::Messages;
+use super::player::Player;
+use super::selection::{Hidden, Selections};
+use super::splitting::Splitting;
 use super::theme::Palette;
 use super::view::{
     AppView, BinCurve, CompareStyle, CompareViews, HistoryEntry, Hover, JobStatus, Marked, RenderStatus,
-    ShadowState, SweepState, TableState,
+    ShadowState, Side, SweepState, TableState, TreeView,
 };
+use crate::accel::NodeId;
+use crate::geometry::Aabb;
+use crate::inspect::census::{Census, Visits};
+use crate::inspect::overlaps::{OverlapMeasure, OverlappingPair};
+use crate::inspect::plot::Plot;
 use crate::inspect::prediction::Forecast;
+use crate::inspect::region::Region;
 use crate::render::film::FilmSubject;
 use crate::render::measure::RayFigures;
 use crate::render::{DisplaySettings, Overlay};
@@ -71,6 +85,10 @@ pub struct State {
     pub dark: bool,
     pub palette: Palette,
     pub recent: Vec<SceneRef>,
+    /// Starts with what was shown last time, if nothing is named to open.
+    pub reopen_at_start: bool,
+    /// The session is that of last time, and its scene is not there yet.
+    pub reopened: bool,
     pub messages: Messages,
     pub pictures: [Option<Picture>; MOST_PICTURES],
     pub boxes: Option<Boxes>,
@@ -91,8 +109,26 @@ pub struct State {
     pub shadow: ShadowState,
     pub shadow_key: Option<ShadowKey>,
     pub compare: Option<CompareViews>,
+    /// What the window has of the two sides.
+    pub ab: Ab,
+    /// Nothing moves by itself; for tests.
+    pub hold: bool,
     pub hover: Option<Hover>,
     pub marked: Option<Marked>,
+    pub selections: Selections,
+    pub hidden: Hidden,
+    /// A part of the picture whose numbers are looked at.
+    pub region: Option<Region>,
+    pub region_figures: Option<RegionFigures>,
+    /// The scene without what is hidden.
+    pub visible: Option<(VisibleKey, Arc<World>)>,
+    pub tree_view: TreeView,
+    pub inspection: Inspection,
+    pub splitting: Splitting,
+    pub player: Player,
+    pub census: Option<(TreeKey, Arc<Census>)>,
+    pub visits: Option<(VisitsKey, Arc<Visits>)>,
+    pub overlaps: Option<(TreeKey, OverlapMeasure, Arc<Vec<OverlappingPair>>)>,
     pub animating: bool,
     pub paused: bool,
     /// The range of the colour map, held while a slider of the Build panel is.
@@ -106,6 +142,8 @@ pub struct State {
     pub loading: Option<JobStatus>,
     pub building: Option<JobStatus>,
     pub exporting: Option<JobStatus>,
+    /// The plot that was chosen last to be saved.
+    pub plot: Option<Arc<Plot>>,
     last_version: u64,
     last_number: usize,
 }
@@ -118,6 +156,8 @@ impl State {
             dark,
             palette: Palette::of(dark),
             recent: Vec::new(),
+            reopen_at_start: true,
+            reopened: false,
             messages: Messages::default(),
             pictures: Default::default(),
             boxes: None,
@@ -135,8 +175,22 @@ impl State {
             shadow: ShadowState::default(),
             shadow_key: None,
             compare: None,
+            ab: Ab::default(),
+            hold: false,
             hover: None,
             marked: None,
+            selections: Selections::default(),
+            hidden: Hidden::default(),
+            region: None,
+            region_figures: None,
+            visible: None,
+            tree_view: TreeView::default(),
+            inspection: Inspection::default(),
+            splitting: Splitting::default(),
+            player: Player::default(),
+            census: None,
+            visits: None,
+            overlaps: None,
             animating: false,
             paused: false,
             held_range: None,
@@ -147,6 +201,7 @@ impl State {
             loading: None,
             building: None,
             exporting: None,
+            plot: None,
             last_version: 0,
             last_number: 0,
         }
@@ -167,8 +222,9 @@ impl State {
         let subject = self.session.film_subject();
         match self.compare {
             None => vec![subject],
-            Some(CompareViews { left, right, .. }) => {
-                vec![FilmSubject { view: left, ..subject }, FilmSubject { view: right, ..subject }]
+            Some(compare) => {
+                let view = |side: Side| FilmSubject { view: side.view.unwrap_or(subject.view), ..subject };
+                compare.sides().map(view).to_vec()
             }
         }
     }
@@ -190,7 +246,8 @@ impl State {
     /// How pictures are to be shown now.
     pub fn display(&self) -> DisplaySettings {
         let display = self.session.display;
-        DisplaySettings { range: display.range.or(self.held_range), ..display }
+        let range = display.range.or(self.held_range).or_else(|| self.shared_range());
+        DisplaySettings { range, ..display }
     }
 
     /// Whether the camera or the scene is moving.
@@ -213,7 +270,7 @@ impl State {
 
     /// The picture of a slot, if it is one of what is open.
     pub fn picture(&self, slot: usize) -> Option<&Picture> {
-        let load = self.document.as_ref()?.load;
+        let load = self.shown(slot)?.tree.scene.load;
         self.pictures.get(slot)?.as_ref().filter(|p| p.frame.key.scene.load == load)
     }
 
@@ -285,6 +342,7 @@ impl State {
             loading: self.loading.clone(),
             building: self.building.clone(),
             exporting: self.exporting.clone(),
+            plot: self.plot.as_deref(),
             history: &self.history,
             film: picture.map(|p| &*p.frame.film),
             histogram: picture.and_then(|p| p.frame.presented.histogram.as_ref()),
@@ -292,7 +350,19 @@ impl State {
             range_locked: self.held_range.is_some(),
             hover: self.hover,
             marked: self.marked.as_ref(),
-            overlay: self.boxes.as_ref().map(|b| &*b.overlay),
+            selections: &self.selections,
+            hidden: &self.hidden,
+            region: self.region_figures.as_ref(),
+            census: self.census(),
+            visits: self.visits(),
+            overlaps: self.overlaps(),
+            tree_view: &self.tree_view,
+            inspection: &self.inspection,
+            splitting: &self.splitting,
+            player: &self.player,
+            tree: self.document.as_ref().map(|d| d.tree),
+            camera: self.camera(),
+            overlay: self.own_boxes().map(|b| &*b.overlay),
             rays: rays.map(|(_, rays)| rays),
             forecast: self.forecast(),
             forecasts: &self.forecasts,
@@ -301,8 +371,58 @@ impl State {
             sweep: &self.sweep,
             shadow: &self.shadow,
             compare: self.compare,
+            ab: &self.ab.panel,
             render: self.render_status(),
         }
+    }
+
+    /// Of the tree at hand.
+    pub fn census(&self) -> Option<&Arc<Census>> {
+        let tree = self.document.as_ref()?.tree;
+        self.census.as_ref().filter(|(key, _)| *key == tree).map(|(_, census)| census)
+    }
+
+    /// The active state's scene without what is hidden, if something is, and it is there.
+    pub fn visible_world(&self) -> Option<&Arc<World>> {
+        let scene = self.document.as_ref()?.tree.scene;
+        let wanted = VisibleKey { scene, hidden: self.hidden.version };
+        let (key, world) = self.visible.as_ref()?;
+        (*key == wanted && !self.hidden.is_empty()).then_some(world)
+    }
+
+    /// What is seen in a slot: the world itself, or that without what is hidden. The second number counts what was hidden, and
+    /// is 0 where nothing is.
+    pub fn seen(&self, slot: usize) -> Option<(&Arc<World>, u64)> {
+        let shown = self.shown(slot)?;
+        let is_active = self.document.as_ref().is_some_and(|document| document.tree == shown.tree);
+        match self.visible_world().filter(|_| is_active) {
+            Some(world) => Some((world, self.hidden.version)),
+            None => Some((shown.world, 0)),
+        }
+    }
+
+    /// The boxes of the selected nodes, once they are known.
+    pub fn selected_bounds(&self) -> Vec<(NodeId, Aabb)> {
+        let (Some(document), Some(census), Some(selection)) =
+            (&self.document, self.census(), self.selections.current())
+        else {
+            return Vec::new();
+        };
+        let tree = document.world.shown_tree();
+        selection.nodes.iter().map(|node| (*node, census.family.bounds(tree, *node))).collect()
+    }
+
+    /// Of the tree at hand.
+    fn visits(&self) -> Option<(&VisitsKey, &Visits)> {
+        let tree = self.document.as_ref()?.tree;
+        self.visits.as_ref().filter(|(key, _)| key.tree == tree).map(|(key, visits)| (key, &**visits))
+    }
+
+    /// Of the tree at hand, by the measure that is asked for.
+    fn overlaps(&self) -> Option<&[OverlappingPair]> {
+        let tree = self.document.as_ref()?.tree;
+        let (key, measure, pairs) = self.overlaps.as_ref()?;
+        (*key == tree && *measure == self.tree_view.measure).then_some(&pairs[..])
     }
 
     /// Of the tree at hand.

@@ -1,5 +1,8 @@
 //! The whole program behind the window, driven without one: what a user does, and what is there when it has settled.
 
+mod actions;
+mod exports;
+
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -16,6 +19,8 @@ use crate::accel::Builder;
 use crate::render::View;
 use crate::scene::SceneRef;
 use crate::session::Session;
+
+mod ab;
 
 /// A program that is busy for so long hangs, on however slow a machine.
 const HANGS: Duration = Duration::from_secs(600);
@@ -292,12 +297,12 @@ fn two_views_are_shown_side_by_side_and_as_a_wipe() {
     let mut harness = start(cornell());
     let whole = harness.state().state().viewport;
     for (style, width) in [(CompareStyle::SideBySide, whole[0] / 2), (CompareStyle::Wipe, whole[0])] {
-        let compare = CompareViews { left: View::ShadowIntersect, right: View::ShadowOccluded, style };
+        let compare = CompareViews::of_views(View::ShadowIntersect, View::ShadowOccluded, style);
         push(&mut harness, Command::SetCompareViews(Some(compare)));
         let state = harness.state().state();
-        for (slot, view) in [compare.left, compare.right].into_iter().enumerate() {
+        for (slot, side) in compare.sides().into_iter().enumerate() {
             let frame = &state.picture(slot).expect("a picture").frame;
-            assert_eq!((frame.key.subject.view, frame.film.width), (view, width));
+            assert_eq!((Some(frame.key.subject.view), frame.film.width), (side.view, width));
         }
     }
     push(&mut harness, Command::SetCompareViews(None));

@@ -4,6 +4,8 @@ use egui::{
     Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, TextStyle, Theme, Visuals, vec2,
 };
 
+use crate::inspect::plot::Ink;
+
 /// Colours that panels use besides egui's own visuals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Palette {
@@ -25,32 +27,43 @@ impl Palette {
     pub fn dark() -> Self {
         Self {
             dark: true,
-            accent: Color32::from_rgb(94, 178, 255),
-            second: Color32::from_rgb(255, 176, 84),
-            third: Color32::from_rgb(150, 220, 140),
+            accent: ink(Ink::Accent, true),
+            second: ink(Ink::Second, true),
+            third: ink(Ink::Third, true),
             good: Color32::from_rgb(122, 204, 130),
             warning: Color32::from_rgb(240, 190, 90),
             error: Color32::from_rgb(240, 110, 100),
-            muted: Color32::from_rgb(140, 146, 158),
+            muted: ink(Ink::Muted, true),
         }
     }
 
     pub fn light() -> Self {
         Self {
             dark: false,
-            accent: Color32::from_rgb(20, 104, 190),
-            second: Color32::from_rgb(190, 100, 10),
-            third: Color32::from_rgb(50, 130, 60),
+            accent: ink(Ink::Accent, false),
+            second: ink(Ink::Second, false),
+            third: ink(Ink::Third, false),
             good: Color32::from_rgb(40, 130, 60),
             warning: Color32::from_rgb(145, 96, 0),
             error: Color32::from_rgb(190, 40, 40),
-            muted: Color32::from_rgb(100, 106, 116),
+            muted: ink(Ink::Muted, false),
         }
     }
 
     pub fn of(dark: bool) -> Self {
         if dark { Self::dark() } else { Self::light() }
     }
+
+    /// A colour of plots in this look.
+    pub fn of_ink(&self, wanted: Ink) -> Color32 {
+        ink(wanted, self.dark)
+    }
+}
+
+/// Plots that are saved have the same colours.
+fn ink(ink: Ink, dark: bool) -> Color32 {
+    let [r, g, b] = ink.rgb(dark);
+    Color32::from_rgb(r, g, b)
 }
 
 /// The surfaces of one look, from the deepest to the highest, with the text that stands on them.

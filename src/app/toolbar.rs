@@ -2,11 +2,10 @@
 
 use egui::{Align, Button, ComboBox, Layout, RichText, TextWrapMode, Ui, vec2};
 
+use super::actions::{show_view, title, toggle_boxes};
 use super::commands::{Command, Commands};
-use super::menu::title;
-use super::shortcuts::{show_view, toggle_boxes};
 use super::view::AppView;
-use crate::render::{CountKind, View, ViewClass};
+use crate::render::{CountKind, View};
 
 /// Points for the figures and a word beside them.
 const FIGURES_WIDTH: f32 = 400.0;
@@ -16,7 +15,7 @@ const FIGURES_WIDTH: f32 = 400.0;
 pub fn ui(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
     ui.horizontal_wrapped(|ui| {
         view_combo(ui, view, commands);
-        let counts = view.session.view.class() == ViewClass::Heat && view.session.view != View::ShadowSaving;
+        let counts = view.session.view.counts_rays();
         if counts {
             count_combo(ui, view, commands);
         }

@@ -10,19 +10,31 @@ use crate::export::points::Question;
 use crate::geometry::Aabb;
 use crate::inspect::best::Best;
 use crate::inspect::bin_sweep::BinPoint;
+use crate::inspect::census::{Census, Visits, Weight};
 use crate::inspect::histogram::Histogram;
+use crate::inspect::overlaps::{OverlapMeasure, OverlappingPair};
+use crate::inspect::plot::Plot;
 use crate::inspect::prediction::Forecast;
 use crate::inspect::shadow_difference::ClassCounts;
 use crate::inspect::stats::TreeStats;
 use crate::inspect::sweep::SweepPoint;
 use crate::render::measure::RayFigures;
-use crate::render::{Film, Overlay, View};
-use crate::scene::{Scene, SceneRef};
+use crate::render::{Film, Overlay};
+use crate::scene::{Camera, Scene, SceneRef};
 use crate::session::{Session, TreeRef};
-use crate::world::World;
+use crate::world::{NodeFigure, World};
 
 use super::commands::Mark;
+use super::inspection::Inspection;
+use super::jobs::TreeKey;
+use super::jobs::census::VisitsKey;
+use super::jobs::region::RegionFigures;
+use super::player::Player;
+use super::selection::{Hidden, Selections};
+use super::splitting::Splitting;
 use super::theme::Palette;
+
+pub use super::ab::{AbState, CompareStyle, CompareViews, Side};
 
 /// Everything a panel may look at while it draws.
 pub struct AppView<'a> {
@@ -40,6 +52,8 @@ pub struct AppView<'a> {
     pub loading: Option<JobStatus>,
     pub building: Option<JobStatus>,
     pub exporting: Option<JobStatus>,
+    /// The plot that was chosen last to be saved.
+    pub plot: Option<&'a Plot>,
     /// Newest last, at most 50.
     pub history: &'a [HistoryEntry],
     /// The raw content of the picture in the viewport.
@@ -53,6 +67,29 @@ pub struct AppView<'a> {
     pub hover: Option<Hover>,
     /// A node, leaf or shape that stands out in the viewport.
     pub marked: Option<&'a Marked>,
+    /// What is selected in the tree, and what was.
+    pub selections: &'a Selections,
+    /// Shapes that are not drawn.
+    pub hidden: &'a Hidden,
+    /// The numbers of a part of the picture, and its most expensive pixels; perhaps of an older picture.
+    pub region: Option<&'a RegionFigures>,
+    /// What is known of every node of the tree at hand; `None` until it was looked at.
+    pub census: Option<&'a Arc<Census>>,
+    /// How often the rays of the newest frame visited each node, which may be one that was seen before the camera moved.
+    pub visits: Option<(&'a VisitsKey, &'a Visits)>,
+    /// The pairs of siblings that overlap most, by the measure of `tree_view`.
+    pub overlaps: Option<&'a [OverlappingPair]>,
+    pub tree_view: &'a TreeView,
+    /// The rays that are looked at.
+    pub inspection: &'a Inspection,
+    /// The split costs of the node that is selected.
+    pub splitting: &'a Splitting,
+    /// How the tree came about.
+    pub player: &'a Player,
+    /// Which tree `world` is.
+    pub tree: Option<TreeKey>,
+    /// That is looked through now.
+    pub camera: Option<Camera>,
     pub overlay: Option<&'a Overlay>,
     /// Camera rays of the newest tree, counted.
     pub rays: Option<&'a RayFigures>,
@@ -64,9 +101,75 @@ pub struct AppView<'a> {
     pub table: &'a TableState,
     pub sweep: &'a SweepState,
     pub shadow: &'a ShadowState,
-    /// Two views at once in the viewport; `None`: the session's one.
+    /// Two pictures at once in the viewport; `None`: the session's one.
     pub compare: Option<CompareViews>,
+    /// Of the two.
+    pub ab: &'a AbState,
     pub render: RenderStatus,
+}
+
+/// How the Tree panel looks at the tree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TreeView {
+    /// Of the icicle plot's widths.
+    pub weight: Weight,
+    /// Of the icicle plot's colours.
+    pub figure: NodeFigure,
+    pub order: SiblingKey,
+    pub measure: OverlapMeasure,
+}
+
+impl Default for TreeView {
+    fn default() -> Self {
+        Self {
+            weight: Weight::default(),
+            figure: NodeFigure::Overlap,
+            order: SiblingKey::default(),
+            measure: OverlapMeasure::default(),
+        }
+    }
+}
+
+/// In which order siblings stand in the outline.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SiblingKey {
+    /// As they lie in their node.
+    #[default]
+    Slot,
+    /// The heaviest first.
+    Weight(Weight),
+    /// Those with the largest value of the icicle plot's colours first.
+    Figure,
+}
+
+impl SiblingKey {
+    pub const ALL: [Self; 5] = [
+        Self::Slot,
+        Self::Weight(Weight::Shapes),
+        Self::Weight(Weight::SahCost),
+        Self::Weight(Weight::Visits),
+        Self::Figure,
+    ];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Slot => "slot",
+            Self::Weight(weight) => weight.name(),
+            Self::Figure => "colour",
+        }
+    }
+
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Slot => "as the children lie in their node",
+            Self::Weight(Weight::Shapes) => "the child with the most references below it first",
+            Self::Weight(Weight::SahCost) => {
+                "the child with the largest SAH cost first, all below it included"
+            }
+            Self::Weight(Weight::Visits) => "the child that rays visit most first, all below it included",
+            Self::Figure => "the child with the largest value of what the plot's colours say first",
+        }
+    }
 }
 
 /// A running job.
@@ -136,34 +239,6 @@ impl Marked {
     pub fn around(&self) -> Option<Aabb> {
         let boxes = [self.bounds, self.parent_bounds].into_iter().flatten();
         boxes.reduce(|a, b| a.union(b))
-    }
-}
-
-/// Two views at once in the viewport.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CompareViews {
-    pub left: View,
-    pub right: View,
-    pub style: CompareStyle,
-}
-
-/// How two views share the viewport.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum CompareStyle {
-    #[default]
-    SideBySide,
-    /// One over the other, with a line between them that the mouse drags.
-    Wipe,
-}
-
-impl CompareStyle {
-    pub const ALL: [Self; 2] = [Self::SideBySide, Self::Wipe];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::SideBySide => "side by side",
-            Self::Wipe => "wipe",
-        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! The command line as clap sees it: every flag comes from the session's one table; and the session that it describes.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::builder::PossibleValuesParser;
 use clap::builder::{PossibleValue, ValueParser};
@@ -9,7 +9,7 @@ use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command};
 
 use super::CliError;
-use super::{bench, compare, export_tree, import, list, output, render, sweep};
+use super::{animate, bench, compare, export_tree, import, list, output, render, report, sweep};
 use crate::export::session_file;
 use crate::scene::SceneRef;
 use crate::scene::load::TreeFormat;
@@ -25,12 +25,16 @@ Examples:
   bvhscope table soup:100000 --json
   bvhscope import tree.npz                      checks and measures a tree from another program
   bvhscope compare --a '--builder median' --b '--builder binned --bins 8'
+  bvhscope compare --view nodes-visited --b '--time 0.5' --difference moved.png
 
 Exit codes: 0 done, 1 failed, 2 wrong usage.";
 
 /// The whole command line.
 pub fn program() -> Command {
     with_session(Command::new("bvhscope"))
+        .arg(Arg::new("fresh").long("fresh").action(ArgAction::SetTrue).help(
+            "The window starts with the default scene and settings instead of what it showed last time",
+        ))
         .version(env!("CARGO_PKG_VERSION"))
         .about("An inspector for bounding volume hierarchies: see why the rays cost what they cost.")
         .after_help(EXAMPLES)
@@ -39,6 +43,8 @@ pub fn program() -> Command {
         .args_override_self(true)
         .subcommands([
             with_session(render::command()),
+            with_session(animate::command()),
+            with_session(report::command()),
             with_session(output::with_formats(
                 Command::new("stats").about("All figures of one tree, with what each means"),
             )),
@@ -122,25 +128,28 @@ pub fn session(matches: &ArgMatches) -> Result<Session, CliError> {
         None => Session::default(),
     };
     if let Some(scene) = scene.filter(|_| scene_session.is_none()) {
-        let reference = match scene.to_str() {
-            Some(text) => SceneRef::parse(text),
-            None => SceneRef::File(scene.clone()),
-        };
-        if session.scene.reference != reference {
-            session.scene.reference = reference;
-            // What was remembered was of another scene.
-            session.scene.content_hash.clear();
-            session.scene.shape_count = None;
-        }
-        if TreeFormat::of(scene).is_some() {
-            session.set_tree(Some(scene.clone()));
-        }
+        set_scene(&mut session, scene);
     }
     apply_flags(&mut session, matches)?;
     if scene.is_none() && file.is_none() && given(matches, "tree") {
         show_shapes_of_tree(&mut session);
     }
     Ok(session)
+}
+
+/// Another scene, or the same; a tree's file comes with its tree.
+fn set_scene(session: &mut Session, scene: &Path) {
+    let reference = match scene.to_str() {
+        Some(text) => SceneRef::parse(text),
+        None => SceneRef::File(scene.to_owned()),
+    };
+    if session.scene.reference != reference {
+        // What was remembered was of another scene.
+        session.scene = SessionScene { reference, ..SessionScene::default() };
+    }
+    if TreeFormat::of(scene).is_some() {
+        session.set_tree(Some(scene.to_owned()));
+    }
 }
 
 /// Without a scene beside it, a tree comes with its shapes.
@@ -156,7 +165,13 @@ fn given(matches: &ArgMatches, flag: &str) -> bool {
     matches.value_source(flag) == Some(ValueSource::CommandLine)
 }
 
-/// Applies flags alone, given as one text: what `compare` takes for A and B.
+/// The flags of the table that the user gave, as text.
+pub fn given_flags(matches: &ArgMatches) -> Vec<(&'static str, String)> {
+    let text = |name| matches.get_one::<String>(name).expect("a flag that was given has a value").clone();
+    flags().iter().filter(|flag| given(matches, flag.name)).map(|flag| (flag.name, text(flag.name))).collect()
+}
+
+/// Applies flags, and perhaps a scene, given as one text: what `compare` takes for A and B.
 pub fn apply_text(session: &mut Session, text: &str, name: &'static str) -> Result<(), CliError> {
     let words = shlex::split(text).ok_or_else(|| {
         usage(ErrorKind::ValueValidation, format!("--{name} '{text}': a quote is not closed"))
@@ -165,8 +180,16 @@ pub fn apply_text(session: &mut Session, text: &str, name: &'static str) -> Resu
         .no_binary_name(true)
         .disable_help_flag(true)
         .args_override_self(true)
+        .arg(Arg::new("SCENE").value_parser(ValueParser::path_buf()))
         .args(flags().iter().map(flag_arg));
     let matches = parser.try_get_matches_from(words).map_err(CliError::Usage)?;
+    if let Some(scene) = matches.get_one::<PathBuf>("SCENE") {
+        if session_file::is_session_path(scene) {
+            let message = format!("--{name} '{text}': {} is a session; name a scene", scene.display());
+            return Err(usage(ErrorKind::ValueValidation, message));
+        }
+        set_scene(session, scene);
+    }
     apply_flags(session, &matches)
 }
 
@@ -260,6 +283,10 @@ mod tests {
         assert_eq!((session.build().builder, session.build().leaf), (Builder::Median, 8));
         assert!(matches!(apply_text(&mut session, "--builder 'median", "a"), Err(CliError::Usage(_))));
         assert!(matches!(apply_text(&mut session, "--json", "a"), Err(CliError::Usage(_))));
-        assert!(matches!(apply_text(&mut session, "bunny", "a"), Err(CliError::Usage(_))));
+        assert!(matches!(apply_text(&mut session, "a.ron", "a"), Err(CliError::Usage(_))));
+        assert!(matches!(apply_text(&mut session, "soup:5 room", "a"), Err(CliError::Usage(_))));
+        assert!(apply_text(&mut session, "soup:5 --time 0.5", "a").is_ok());
+        assert_eq!(session.scene.reference, SceneRef::Builtin("soup:5".to_owned()));
+        assert_eq!((session.time, session.build().builder), (0.5, Builder::Median));
     }
 }

@@ -1,5 +1,6 @@
 //! The commands: one file each. Parses a session, calls the library, prints.
 
+mod animate;
 mod args;
 mod bench;
 mod compare;
@@ -9,6 +10,7 @@ mod list;
 mod output;
 mod progress;
 mod render;
+mod report;
 mod stats;
 mod sweep;
 mod sweep_args;
@@ -57,6 +59,8 @@ pub fn main() -> ExitCode {
 fn run(matches: &ArgMatches) -> Result<(), CliError> {
     match matches.subcommand() {
         Some(("render", matches)) => render::run(matches),
+        Some(("animate", matches)) => animate::run(matches),
+        Some(("report", matches)) => report::run(matches),
         Some(("stats", matches)) => stats::run(matches),
         Some(("table", matches)) => table::run(matches),
         Some(("sweep", matches)) => sweep::run(matches),

@@ -107,7 +107,8 @@ pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
     output::print(&out.display().to_string())
 }
 
-fn film(workshop: &Workshop, world: &World) -> Result<Film, CliError> {
+/// The film of the session's view.
+pub fn film(workshop: &Workshop, world: &World) -> Result<Film, CliError> {
     let session = &workshop.session;
     let settings = &session.render;
     let what = format!("rendering {}", session.view.name());
@@ -125,18 +126,30 @@ fn finished(session: &Session, film: &Film) -> Session {
 }
 
 fn draw_boxes(workshop: &Workshop, world: &World, picture: &mut RgbaImage) -> Result<(), CliError> {
+    if let Some(drawn) = drawn_boxes(workshop, world, picture.width(), picture.height())? {
+        overlay::compose(picture, &drawn);
+    }
+    Ok(())
+}
+
+/// The boxes that the session shows; `None` if it shows none.
+pub fn drawn_boxes(
+    workshop: &Workshop,
+    world: &World,
+    width: u32,
+    height: u32,
+) -> Result<Option<Overlay>, CliError> {
     let settings = workshop.session.overlay;
     if settings.depths.is_none() {
-        return Ok(());
+        return Ok(None);
     }
-    let (camera, width, height) = (&workshop.camera, picture.width(), picture.height());
+    let camera = &workshop.camera;
     let drawn = workshop.run("drawing boxes", |task| {
         let distances = overlay::first_hit_distances(world, camera, width, height, task)?;
-        overlay::draw_boxes(world, camera, &settings, &distances, width, height, task)
+        overlay::draw_boxes(world, camera, &settings, &[], &distances, [width, height], task)
     })?;
     warn_of_omissions(&drawn);
-    overlay::compose(picture, &drawn);
-    Ok(())
+    Ok(Some(drawn))
 }
 
 fn warn_of_omissions(drawn: &Overlay) {
@@ -149,6 +162,6 @@ fn warn_of_omissions(drawn: &Overlay) {
 }
 
 /// Large files take their time, too.
-fn writing(write: impl FnOnce() -> Result<(), ExportError>) -> Result<(), ExportError> {
+pub fn writing(write: impl FnOnce() -> Result<(), ExportError>) -> Result<(), ExportError> {
     progress::watch("writing the file", &Task::new(), write)
 }

@@ -12,6 +12,8 @@ use super::progress::{Said, watch_saying};
 use super::sweep_args::{self, Asked};
 use super::workshop::Workshop;
 use super::{CliError, args, output};
+use crate::accel::BuildConfig;
+use crate::export::plot::{self, Look, PlotFormat};
 use crate::export::points::{self, KeptPoints, Question};
 use crate::export::table::{self, TableFormat};
 use crate::export::{ExportError, atomic};
@@ -19,6 +21,7 @@ use crate::inspect::best::{BUDGET, Best, Objective};
 use crate::inspect::columns::{Column, Value};
 use crate::inspect::pareto::front;
 use crate::inspect::stats::Measurement;
+use crate::inspect::sweep::plot::{SweepPlot, spans_a_decade};
 use crate::inspect::sweep::{Progress, SweepEvent, SweepGrid, SweepPoint, Sweeper, same_tree};
 use crate::task::{Cancelled, Task};
 
@@ -64,6 +67,10 @@ pub fn command() -> Command {
             "resume",
             "Take the points of this file, measure those that are missing, and write it anew",
         ))
+        .arg(path(
+            "plot",
+            "Plot the points over the figures of --x and --y: .svg, .png, or .csv for the data",
+        ))
         .arg(text("x", "KEY", "First figure of the Pareto front").default_value("build_ms"))
         .arg(text("y", "KEY", "Second figure of the Pareto front").default_value("ray_cost_mean"))
         .arg(
@@ -91,6 +98,10 @@ pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
     let asked = Asked::read(matches, session.build())?;
     if let Some(path) = &asked.out {
         points::PointsFormat::of(path)?;
+        atomic::check_writable(path)?;
+    }
+    if let Some(path) = &asked.plot {
+        PlotFormat::of(path)?;
         atomic::check_writable(path)?;
     }
     let workshop = Workshop::open(session)?;
@@ -125,7 +136,7 @@ fn kept(asked: &Asked, question: &Question) -> Result<Vec<SweepPoint>, CliError>
 }
 
 /// The first Ctrl-C ends the sweep in order, the second at once.
-fn stop_at_ctrl_c(task: &Task) -> Result<(), CliError> {
+pub fn stop_at_ctrl_c(task: &Task) -> Result<(), CliError> {
     const INTERRUPTED: i32 = 130;
     let task = task.clone();
     ctrlc::set_handler(move || {
@@ -214,6 +225,7 @@ impl<'a> Sweep<'a> {
         let done = points.iter().filter(|(place, _)| *place != usize::MAX).count();
         let points: Vec<_> = points.into_iter().map(|(_, p)| p).collect();
         self.finish(&points)?;
+        self.plot(&points, None)?;
         self.print(&points)?;
         ended.map_err(|Cancelled| self.stopped(&format!("{done} of {} trees", configs.len())))
     }
@@ -240,6 +252,7 @@ impl<'a> Sweep<'a> {
             Ok(best) => {
                 let points = self.lock().points.clone();
                 self.finish(&points)?;
+                self.plot(&best.tried, Some(&best.best.config))?;
                 self.print_best(&best)
             }
             Err(Cancelled) => {
@@ -279,6 +292,19 @@ impl<'a> Sweep<'a> {
         let mut journal = self.lock();
         journal.write(points);
         journal.failure.take().map_or(Ok(()), |error| Err(error.into()))
+    }
+
+    /// Plots the points, if that is asked for; the tree of `chosen` settings is marked.
+    fn plot(&self, points: &[SweepPoint], chosen: Option<&BuildConfig>) -> Result<(), CliError> {
+        let Some(path) = &self.asked.plot else { return Ok(()) };
+        let [x, y] = self.asked.front;
+        let log = [x, y].map(|column| spans_a_decade(points, column));
+        let figures = SweepPlot { x, y, log, ..SweepPlot::default() };
+        let mut drawn = figures.plot(points, chosen);
+        drawn.title = format!("{} trees", points.len());
+        drawn.subject = self.workshop.scene.name.clone();
+        plot::save(&drawn, Look::Light, path)?;
+        Ok(())
     }
 
     fn stopped(&self, done: &str) -> CliError {

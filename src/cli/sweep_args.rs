@@ -20,6 +20,8 @@ pub struct Asked {
     pub timed: bool,
     pub out: Option<PathBuf>,
     pub resume: Option<PathBuf>,
+    /// Where the points are plotted.
+    pub plot: Option<PathBuf>,
     /// The two figures of the front.
     pub front: [&'static Column; 2],
     pub format: TableFormat,
@@ -80,7 +82,8 @@ impl Asked {
         let timed = matches.get_flag("timed")
             || search.as_ref().is_some_and(|search| search.objective == Objective::Time);
         let front = [figure(matches, "x")?, figure(matches, "y")?];
-        Ok(Self { grid, search, timed, out, resume, front, format: output::format(matches) })
+        let plot = matches.get_one::<PathBuf>("plot").cloned();
+        Ok(Self { grid, search, timed, out, resume, plot, front, format: output::format(matches) })
     }
 }
 

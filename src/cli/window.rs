@@ -26,6 +26,13 @@ pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
     let opens_session = matches.contains_id("session")
         || matches.get_one::<PathBuf>("SCENE").is_some_and(|path| session_file::is_session_path(path));
     let says_boxes = matches.value_source("boxes") == Some(ValueSource::CommandLine);
-    let startup = Startup { show_boxes: !opens_session && !says_boxes, ..Startup::default() };
+    let says_tree = matches.value_source("tree") == Some(ValueSource::CommandLine);
+    let names_something = matches.contains_id("SCENE") || matches.contains_id("session") || says_tree;
+    let reopens = !names_something && !matches.get_flag("fresh");
+    let startup = Startup {
+        show_boxes: !opens_session && !says_boxes,
+        reopen: reopens.then(|| args::given_flags(matches)),
+        ..Startup::default()
+    };
     Ok(app::run(session, startup)?)
 }

@@ -23,7 +23,7 @@ pub struct Workshop {
     /// At the session's time.
     pub scene: Arc<Scene>,
     /// As loaded.
-    still: Arc<Scene>,
+    pub still: Arc<Scene>,
     /// The tree of the session's file, if it has one.
     pub tree: Option<Arc<TreeFile>>,
     pub camera: Camera,

@@ -4,6 +4,7 @@ use image::{Rgba, RgbaImage};
 
 use super::text;
 use crate::inspect::shadow_difference::ClassCounts;
+use crate::render::difference::difference_color;
 use crate::render::display::effective_range;
 use crate::render::shadow::ShadowClass;
 use crate::render::{BoxStyle, ColorMap, Film, ViewClass};
@@ -37,6 +38,8 @@ pub enum LegendKey {
     None,
     /// A colour map over a range.
     Bar { colormap: ColorMap, range: [f32; 2] },
+    /// Differences from `-limit` to `limit`.
+    Difference { limit: f32 },
     /// Colours that stand for classes, each with its share of the pixels in its name.
     Classes(Vec<(String, [u8; 3])>),
 }
@@ -47,15 +50,17 @@ impl Legend {
         let view = session.view;
         let key = match view.class() {
             ViewClass::Class => LegendKey::Classes(shadow_classes(film)),
-            ViewClass::Heat | ViewClass::Distance => match effective_range(film, &session.display) {
-                Some(range) => LegendKey::Bar { colormap: session.display.colormap, range },
-                None => LegendKey::None,
-            },
+            ViewClass::Heat | ViewClass::Leaf | ViewClass::Distance => {
+                match effective_range(film, &session.display) {
+                    Some(range) => LegendKey::Bar { colormap: session.display.colormap, range },
+                    None => LegendKey::None,
+                }
+            }
             ViewClass::Radiance | ViewClass::Data => LegendKey::None,
         };
-        let title = match view.counter() {
-            Some(_) => format!("{} ({} rays)", view.description(), session.count.name()),
-            None => view.description().to_owned(),
+        let title = match view.counts_rays() {
+            true => format!("{} ({} rays)", view.description(), session.count.name()),
+            false => view.description().to_owned(),
         };
         Self { title, key, lines: settings_lines(session, film, world) }
     }
@@ -77,7 +82,13 @@ impl Legend {
         }
         match &self.key {
             LegendKey::None => {}
-            LegendKey::Bar { colormap, range } => draw_bar(whole, y, layout, *colormap, *range),
+            LegendKey::Bar { colormap, range } => {
+                draw_bar(whole, y, layout, |share| colormap.color(share), *range);
+            }
+            LegendKey::Difference { limit } => {
+                let color = |share: f32| difference_color(2.0 * share - 1.0);
+                draw_bar(whole, y, layout, color, [-limit, *limit]);
+            }
             LegendKey::Classes(classes) => {
                 for ((name, color), [x, line]) in
                     classes.iter().zip(flow(classes, layout.letter, layout.room))
@@ -143,7 +154,7 @@ impl Layout {
         let lines: Vec<_> = legend.lines.iter().flat_map(|line| text::wrap(line, letter, room)).collect();
         let key_height = match &legend.key {
             LegendKey::None => 0.0,
-            LegendKey::Bar { .. } => letter * 3.2,
+            LegendKey::Bar { .. } | LegendKey::Difference { .. } => letter * 3.2,
             LegendKey::Classes(classes) => {
                 let lines = flow(classes, letter, room).last().map_or(0.0, |[_, line]| line + 1.0);
                 letter * (1.5 * lines + 0.4)
@@ -157,7 +168,8 @@ impl Layout {
     }
 }
 
-fn settings_lines(session: &Session, film: &Film, world: &World) -> Vec<String> {
+/// The scene and its tree in a sentence.
+pub fn tree_line(world: &World) -> String {
     let build = &world.report.config;
     let mut tree = match world.traced_file() {
         Some(file) => format!("imported from {}, width {}", file.name, file.raw.width),
@@ -173,6 +185,10 @@ fn settings_lines(session: &Session, film: &Film, world: &World) -> Vec<String> 
     if let Some(cost) = world.figures.sah_cost {
         tree += &format!(", SAH cost {:.2}", cost.total());
     }
+    format!("{}, {} shapes; {tree}", world.scene.name, world.scene.shape_count())
+}
+
+fn settings_lines(session: &Session, film: &Film, world: &World) -> Vec<String> {
     let samples = if film.samples == 1 { "1 sample".to_owned() } else { format!("{} samples", film.samples) };
     let mut picture = format!("{} x {} pixels, {samples} a pixel", film.width, film.height);
     if session.view.class() == ViewClass::Radiance {
@@ -190,13 +206,19 @@ fn settings_lines(session: &Session, film: &Film, world: &World) -> Vec<String> 
         };
         picture += &format!("; {which} of depths {min} to {max}, {how}");
     }
-    vec![format!("{}, {} shapes; {tree}", world.scene.name, world.scene.shape_count()), picture]
+    vec![tree_line(world), picture]
 }
 
-fn draw_bar(whole: &mut RgbaImage, top: f32, layout: &Layout, colormap: ColorMap, range: [f32; 2]) {
+fn draw_bar(
+    whole: &mut RgbaImage,
+    top: f32,
+    layout: &Layout,
+    color: impl Fn(f32) -> [u8; 3],
+    range: [f32; 2],
+) {
     let left = layout.margin;
     let length = (whole.width() as f32 - 2.0 * layout.margin).max(1.0);
-    fill(whole, [left, top, length, layout.letter], |share| colormap.color(share));
+    fill(whole, [left, top, length, layout.letter], color);
     let below = top + layout.letter * 1.1;
     let mut free = f32::NEG_INFINITY;
     let mut label = |whole: &mut RgbaImage, value: f32, step: f32, end: f32| {
@@ -290,6 +312,7 @@ mod tests {
         for key in [
             LegendKey::None,
             LegendKey::Bar { colormap: ColorMap::Greys, range: [0.0, 40.0] },
+            LegendKey::Difference { limit: 3.0 },
             LegendKey::Classes(vec![("lit".to_owned(), [200, 0, 0]), ("dark".to_owned(), [0, 200, 0])]),
         ] {
             let whole = legend(key.clone()).below(&picture);

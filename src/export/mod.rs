@@ -1,14 +1,19 @@
 //! Where pictures and figures leave the program: PNG with its session, EXR, CSV, JSON, Markdown. Every file is written
 //! whole or not at all.
 
+pub mod animation;
 pub mod atomic;
+pub mod comparison;
 pub mod exr;
 pub mod findings;
 pub mod legend;
+pub mod picture;
+pub mod plot;
 pub mod png;
 pub mod points;
 pub mod raw_csv;
 pub mod ray_file;
+pub mod report;
 pub mod session_file;
 pub mod table;
 pub mod text;

@@ -59,7 +59,7 @@ impl Question {
             intersection_cost: build.intersection_cost,
             ..BuildConfig::default()
         };
-        let variants = vec![Variant { name: String::new(), build, tree: None }];
+        let variants = vec![Variant { name: String::new(), build, ..Variant::default() }];
         let render = crate::render::RenderSettings { spp: None, ..render };
         let camera = *camera;
         let session = Session {
@@ -297,11 +297,11 @@ mod tests {
     use super::*;
     use crate::accel::{Builder, StopRule, Width};
     use crate::inspect::columns::Row;
-    use crate::inspect::stats::tests::example;
+    use crate::inspect::stats::TreeStats;
     use crate::render::CountKind;
 
     fn points() -> Vec<SweepPoint> {
-        let mut odd = example("8 bins, leaf \"3\"");
+        let mut odd = TreeStats::example("8 bins, leaf \"3\"");
         odd.config = BuildConfig {
             builder: Builder::Spatial,
             width: Width::W4,
@@ -315,7 +315,7 @@ mod tests {
         odd.rays.ray_cost_mean = Some(12.0);
         odd.times =
             Some(crate::render::measure::FrameTimes { traversal_ms: 1.5, frames_per_s: 30.0, threads: 2 });
-        vec![SweepPoint::of(&example("A")), SweepPoint::of(&odd)]
+        vec![SweepPoint::of(&TreeStats::example("A")), SweepPoint::of(&odd)]
     }
 
     fn question() -> Question {

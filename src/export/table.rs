@@ -6,8 +6,9 @@ use serde::{Serialize, Serializer};
 
 use crate::accel::build::BuildPhase;
 use crate::accel::quality::{DepthLevel, SahCost};
-use crate::inspect::columns::{COLUMNS, Column, DASH, Row, TreeRecord, best_rows, comparing};
+use crate::inspect::columns::{COLUMNS, Column, DASH, Row, TreeRecord, best_rows, comparing, grouped};
 use crate::inspect::compare::{ComparedFigure, Comparison};
+use crate::inspect::paired_cost::{MeanInterval, PairedRayCost};
 use crate::inspect::prediction::{Forecast, Prediction, agreement};
 use crate::inspect::stats::TreeStats;
 use crate::render::bench::RaySetKind;
@@ -151,7 +152,15 @@ pub fn people_one(stats: &TreeStats) -> String {
 
 /// A against B, a line a figure; equal settings are left out.
 pub fn compared(comparison: &Comparison) -> String {
-    compared_figures(&comparison.rows, ["A", "B", "B - A"])
+    let mut page = compared_figures(&comparison.rows, ["A", "B", "B - A"]);
+    if let Some(cost) = &comparison.ray_cost {
+        page += &format!(
+            "\n\nmean ray cost of {} camera rays (± is the 95 % interval; B - A ray by ray):\n{}",
+            grouped(cost.ray_count as f64, 0),
+            cost.shown()
+        );
+    }
+    page
 }
 
 /// The same under other headings of the two and their difference.
@@ -188,11 +197,13 @@ pub fn compared_json(comparison: &Comparison) -> String {
         a: TreeRecord<'a>,
         b: TreeRecord<'a>,
         differences: Differences<'a>,
+        camera_ray_cost: Option<&'a PairedRayCost>,
     }
     pretty(&Whole {
         a: TreeRecord(&comparison.a),
         b: TreeRecord(&comparison.b),
         differences: Differences(&comparison.rows),
+        camera_ray_cost: comparison.ray_cost.as_ref(),
     })
 }
 
@@ -204,6 +215,16 @@ pub fn compared_csv(comparison: &Comparison) -> String {
         let figure = row.column.key.to_owned();
         vec![figure, row.a.plain(), row.b.plain(), number(row.difference), number(row.percent)]
     });
+    let lines = lines.chain(comparison.ray_cost.iter().flat_map(|cost| {
+        let line = |figure: &str, of: fn(&MeanInterval) -> Option<f64>, percent| {
+            let [a, b, difference] = [&cost.a, &cost.b, &cost.difference].map(|mean| number(of(mean)));
+            vec![figure.to_owned(), a, b, difference, number(percent)]
+        };
+        [
+            line("camera_ray_cost_mean", |mean| Some(mean.mean), cost.percent),
+            line("camera_ray_cost_half_width_95", |mean| mean.half_width_95, None),
+        ]
+    }));
     csv_text(heading, lines)
 }
 
@@ -214,6 +235,11 @@ pub fn compared_markdown(comparison: &Comparison) -> String {
         let (a, b) = (row.column.show(&row.a), row.column.show(&row.b));
         vec![row.column.heading(), a, b, row.shown_difference(), row.shown_percent()]
     });
+    let lines = lines.chain(comparison.ray_cost.iter().map(|cost| {
+        let [a, b, difference] = [&cost.a, &cost.b, &cost.difference].map(MeanInterval::shown);
+        let percent = cost.percent.map_or_else(String::new, |p| format!("{p:+.1} %"));
+        vec!["camera ray cost, 95 % interval".to_owned(), a, b, difference, percent]
+    }));
     markdown_text(&heading, &[true, false, false, false, false], lines)
 }
 
@@ -295,13 +321,12 @@ mod tests {
     use serde_json::{Value as Json, json};
 
     use super::*;
-    use crate::inspect::stats::tests::example;
 
     fn two() -> [TreeStats; 2] {
-        let mut better = example("B, the better");
+        let mut better = TreeStats::example("B, the better");
         better.figures.node_count = 5857;
         better.build_ms = 3.25;
-        [example("A"), better]
+        [TreeStats::example("A"), better]
     }
 
     #[test]
@@ -314,7 +339,7 @@ mod tests {
             "in order"
         );
         assert!(rows[0]["epo"].is_null() && rows[0].get("epo").is_some());
-        let one: Json = serde_json::from_str(&json_one(&example("A"))).expect("JSON");
+        let one: Json = serde_json::from_str(&json_one(&TreeStats::example("A"))).expect("JSON");
         assert_eq!((&one["name"], &one["leaf_sizes"]), (&json!("A"), &json!([0, 961, 2008])));
     }
 
@@ -353,7 +378,7 @@ mod tests {
 
     #[test]
     fn predictions_are_held_against_what_rays_paid() {
-        let mut rows = [example("A"), example("B"), example("C")];
+        let mut rows = [TreeStats::example("A"), TreeStats::example("B"), TreeStats::example("C")];
         assert_eq!(agreements(&rows[..2]), "");
         for (i, row) in rows.iter_mut().enumerate() {
             row.figures.sah_cost = Some(SahCost { inner: 9.0 - i as f64, leaf: 0.0 });
@@ -366,7 +391,7 @@ mod tests {
 
     #[test]
     fn one_tree_is_explained_figure_by_figure() {
-        let text = people_one(&example("A"));
+        let text = people_one(&TreeStats::example("A"));
         for column in COLUMNS {
             assert!(text.contains(&column.heading()) && text.contains(column.meaning), "{}", column.key);
         }
@@ -375,14 +400,23 @@ mod tests {
     #[test]
     fn a_comparison_leaves_out_what_is_equal_for_people_only() {
         let [a, b] = two();
-        let comparison = Comparison::of(a, b);
+        let mut comparison = Comparison::of(a, b);
+        assert!(compared_json(&comparison).contains("\"camera_ray_cost\": null"));
+        comparison.ray_cost = PairedRayCost::of(&[2.0, 6.0, 4.0], &[1.0, 3.0, 2.0]);
         let text = compared(&comparison);
         assert!(text.contains("build (ms)") && text.contains("-18.8 %") && text.contains("better"), "{text}");
         assert!(!text.contains("leaf limit"), "{text}");
         let json: Json = serde_json::from_str(&compared_json(&comparison)).expect("JSON");
         assert_eq!(json["differences"]["node_count"]["difference"], json!(-80.0));
         assert_eq!((&json["a"]["leaf"], &json["b"]["leaf"]), (&json!(2), &json!(2)));
-        assert!(compared_csv(&comparison).contains("build_ms,4,3.25,-0.75,-18.75"));
+        let csv = compared_csv(&comparison);
+        assert!(csv.contains("build_ms,4,3.25,-0.75,-18.75"), "{csv}");
+        assert!(csv.contains("camera_ray_cost_mean,4,2,-2,-50\n"), "{csv}");
+        assert!(csv.contains("camera_ray_cost_half_width_95,2.26"), "{csv}");
+        assert_eq!(json["camera_ray_cost"]["difference"]["mean"], json!(-2.0));
+        let said = "mean ray cost of 3 camera rays";
+        assert!(text.contains(said) && text.contains("B - A -2.0 ± 1.1 (-50.0 %)"), "{text}");
+        assert!(compared_markdown(&comparison).contains("| 4.0 ± 2.3 | 2.0 ± 1.1 | -2.0 ± 1.1 | -50.0 % |"));
         assert!(compared_markdown(&comparison).lines().nth(1) == Some("| --- | ---: | ---: | ---: | ---: |"));
     }
 }

@@ -3,6 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use super::columns::{Better, COLUMNS, Column, Row, Value};
+use super::paired_cost::PairedRayCost;
 use super::stats::TreeStats;
 
 /// A, B, and what differs.
@@ -11,6 +12,8 @@ pub struct Comparison {
     pub a: TreeStats,
     pub b: TreeStats,
     pub rows: Vec<ComparedFigure>,
+    /// Of the camera rays, ray by ray; `None` where it was not measured.
+    pub ray_cost: Option<PairedRayCost>,
 }
 
 /// One figure or setting of both.
@@ -38,7 +41,13 @@ impl Comparison {
     /// Holds two trees against each other, column by column (all but their names).
     pub fn of(a: TreeStats, b: TreeStats) -> Self {
         let rows = ComparedFigure::all(&a, &b);
-        Self { a, b, rows }
+        Self { a, b, rows, ray_cost: None }
+    }
+
+    /// Whether A and B weigh visits and tests by the same costs. If not, SAH costs and ray costs have different units.
+    pub fn has_one_unit(&self) -> bool {
+        let costs = |stats: &TreeStats| [stats.config.traversal_cost, stats.config.intersection_cost];
+        costs(&self.a) == costs(&self.b)
     }
 }
 
@@ -87,7 +96,6 @@ fn key_of<S: Serializer>(column: &&'static Column, serializer: S) -> Result<S::O
 
 #[cfg(test)]
 mod tests {
-    use super::super::stats::tests::example;
     use super::*;
 
     fn row<'a>(comparison: &'a Comparison, key: &str) -> &'a ComparedFigure {
@@ -96,7 +104,7 @@ mod tests {
 
     #[test]
     fn differences_have_a_sign_and_a_judgement() {
-        let (a, mut b) = (example("A"), example("B"));
+        let (a, mut b) = (TreeStats::example("A"), TreeStats::example("B"));
         b.build_ms = 3.0;
         b.figures.node_count = 6000;
         b.config.bins = 8;
@@ -113,7 +121,7 @@ mod tests {
 
     #[test]
     fn what_is_missing_or_a_word_has_no_difference() {
-        let c = Comparison::of(example("A"), example("B"));
+        let c = Comparison::of(TreeStats::example("A"), TreeStats::example("B"));
         let epo = row(&c, "epo");
         assert_eq!((epo.difference, epo.better, epo.shown_percent()), (None, None, String::new()));
         let builder = row(&c, "builder");
@@ -124,7 +132,7 @@ mod tests {
 
     #[test]
     fn it_is_plain_data() {
-        let c = Comparison::of(example("A"), example("B"));
+        let c = Comparison::of(TreeStats::example("A"), TreeStats::example("B"));
         let json = serde_json::to_value(&c.rows).expect("plain data");
         assert_eq!(json[0]["column"], "scene");
     }

@@ -48,7 +48,6 @@ fn dominates(a: &[f64], b: &[f64]) -> bool {
 mod tests {
     use super::*;
     use crate::inspect::stats::TreeStats;
-    use crate::inspect::stats::tests::example;
     use crate::render::measure::FrameTimes;
 
     fn columns(keys: &[&str]) -> Vec<&'static Column> {
@@ -63,7 +62,7 @@ mod tests {
             f64::from((bits >> 16) % most)
         };
         let mut row = || {
-            let mut row = example("A");
+            let mut row = TreeStats::example("A");
             row.build_ms = draw(9);
             row.figures.node_count = draw(9) as usize;
             row.rays.ray_cost_mean = Some(draw(12)).filter(|cost| *cost < 11.0);
@@ -118,6 +117,9 @@ mod tests {
 
     #[test]
     fn equal_rows_share_the_front() {
-        assert_eq!(front(&[example("A"), example("B")], &columns(&["build_ms", "node_count"])), [0, 1]);
+        assert_eq!(
+            front(&[TreeStats::example("A"), TreeStats::example("B")], &columns(&["build_ms", "node_count"])),
+            [0, 1]
+        );
     }
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::accel::BuildConfig;
 use crate::accel::build::BuildPhase;
-use crate::accel::quality::TreeFigures;
+use crate::accel::quality::{SahCost, TreeFigures};
 use crate::render::measure::{FrameTimes, RayFigures, count_rays, time_frame};
 use crate::render::ray_costs::{RayCosts, ray_costs};
 use crate::render::{CountKind, RenderSettings};
@@ -164,39 +164,10 @@ impl Measurement<'_> {
     }
 }
 
-#[cfg(test)]
-pub(crate) mod tests {
-    use super::*;
-    use crate::accel::quality::SahCost;
-
-    #[test]
-    fn figures_can_be_weighed_by_other_costs_than_the_tree_was_built_with() {
-        let scene = Arc::new(crate::scene::builtin::make("soup:300").expect("a built-in scene"));
-        let settings = RenderSettings { width: 16, height: 9, ..RenderSettings::default() };
-        let (camera, count) = (&scene.camera, CountKind::Camera);
-        let measurement =
-            Measurement { scene: &scene, camera, settings: &settings, count, timed: false, builds: 1 };
-        let config = BuildConfig { traversal_cost: 3.0, intersection_cost: 0.5, ..BuildConfig::default() };
-        let measure =
-            |costs| measurement.weighed("A", &config, None, costs, &Task::new()).expect("nobody cancels");
-        let (own, plain) = (measure([3.0, 0.5]), measure([1.0, 1.0]));
-        assert_eq!(own.figures, measurement.of("A", &config, None, &Task::new()).expect("no cancel").figures);
-        assert_eq!((own.config, plain.config), (config, config), "it says what the tree was built with");
-        let sah = |stats: &TreeStats| stats.figures.sah_cost.expect("it has an area");
-        assert!((sah(&own).inner / sah(&plain).inner - 3.0).abs() < 1e-9);
-        assert!((sah(&own).leaf / sah(&plain).leaf - 0.5).abs() < 1e-9);
-        let rays = |c_t: f64, c_i: f64| {
-            let rays = &plain.rays;
-            c_t * rays.inner_visits_mean.expect("rays") + c_i * rays.shape_tests_mean.expect("rays")
-        };
-        for (stats, expected) in [(&own, rays(3.0, 0.5)), (&plain, rays(1.0, 1.0))] {
-            assert!((stats.rays.ray_cost_mean.expect("rays") - expected).abs() < 1e-9);
-        }
-    }
-
-    /// Figures made up for tests of what is done with figures.
-    pub fn example(name: &str) -> TreeStats {
-        TreeStats {
+impl TreeStats {
+    /// Figures made up, for tests and examples of what is done with figures.
+    pub fn example(name: &str) -> Self {
+        Self {
             name: name.to_owned(),
             scene: "bunny".to_owned(),
             shape_count: 4977,
@@ -229,6 +200,36 @@ pub(crate) mod tests {
             bytes: 1 << 19,
             settings: RenderSettings::default(),
             camera: Camera::default(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_can_be_weighed_by_other_costs_than_the_tree_was_built_with() {
+        let scene = Arc::new(crate::scene::builtin::make("soup:300").expect("a built-in scene"));
+        let settings = RenderSettings { width: 16, height: 9, ..RenderSettings::default() };
+        let (camera, count) = (&scene.camera, CountKind::Camera);
+        let measurement =
+            Measurement { scene: &scene, camera, settings: &settings, count, timed: false, builds: 1 };
+        let config = BuildConfig { traversal_cost: 3.0, intersection_cost: 0.5, ..BuildConfig::default() };
+        let measure =
+            |costs| measurement.weighed("A", &config, None, costs, &Task::new()).expect("nobody cancels");
+        let (own, plain) = (measure([3.0, 0.5]), measure([1.0, 1.0]));
+        assert_eq!(own.figures, measurement.of("A", &config, None, &Task::new()).expect("no cancel").figures);
+        assert_eq!((own.config, plain.config), (config, config), "it says what the tree was built with");
+        let sah = |stats: &TreeStats| stats.figures.sah_cost.expect("it has an area");
+        assert!((sah(&own).inner / sah(&plain).inner - 3.0).abs() < 1e-9);
+        assert!((sah(&own).leaf / sah(&plain).leaf - 0.5).abs() < 1e-9);
+        let rays = |c_t: f64, c_i: f64| {
+            let rays = &plain.rays;
+            c_t * rays.inner_visits_mean.expect("rays") + c_i * rays.shape_tests_mean.expect("rays")
+        };
+        for (stats, expected) in [(&own, rays(3.0, 0.5)), (&plain, rays(1.0, 1.0))] {
+            assert!((stats.rays.ray_cost_mean.expect("rays") - expected).abs() < 1e-9);
         }
     }
 }

@@ -149,7 +149,7 @@ pub fn picture(film: &Film, settings: &DisplaySettings) -> RgbaImage {
         }),
         FilmContent::Number(sums) => {
             let range = effective_range(film, settings).unwrap_or([0.0, 1.0]);
-            let threshold = settings.threshold.filter(|_| class == ViewClass::Heat);
+            let threshold = settings.threshold.filter(|_| matches!(class, ViewClass::Heat | ViewClass::Leaf));
             let shades = Shades::new(settings.colormap, range, threshold);
             let samples = film.samples as f32;
             // Divided, not scaled: the same number that the film answers with, so that a threshold cuts exactly.
@@ -160,7 +160,7 @@ pub fn picture(film: &Film, settings: &DisplaySettings) -> RgbaImage {
 }
 
 /// Colours every pixel from its sum, in parallel.
-fn fill<T: Copy + Sync>(image: &mut RgbaImage, sums: &[T], color: impl Fn(T) -> [u8; 3] + Sync) {
+pub(super) fn fill<T: Copy + Sync>(image: &mut RgbaImage, sums: &[T], color: impl Fn(T) -> [u8; 3] + Sync) {
     const CHUNK: usize = 4096;
     let pixels: &mut [[u8; 4]] = bytemuck::cast_slice_mut(image.as_mut());
     pixels.par_chunks_mut(CHUNK).zip(sums.par_chunks(CHUNK)).for_each(|(pixels, sums)| {

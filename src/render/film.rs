@@ -62,7 +62,7 @@ impl Film {
         let pixels = width as usize * height as usize;
         let content = match subject.view.class() {
             ViewClass::Radiance | ViewClass::Data => FilmContent::Color(vec![Vec3::ZERO; pixels]),
-            ViewClass::Distance | ViewClass::Heat | ViewClass::Class => {
+            ViewClass::Distance | ViewClass::Heat | ViewClass::Leaf | ViewClass::Class => {
                 FilmContent::Number(vec![0.0; pixels])
             }
         };
@@ -85,6 +85,14 @@ impl Film {
         match &self.content {
             FilmContent::Color(_) => None,
             FilmContent::Number(sums) => Some(sums[index] / self.samples as f32).filter(|n| !n.is_nan()),
+        }
+    }
+
+    /// How many numbers the film holds, NaN or not; 0 for a film of colours, and before the first sample.
+    pub fn numbers_count(&self) -> usize {
+        match &self.content {
+            FilmContent::Number(sums) if self.samples > 0 => sums.len(),
+            FilmContent::Number(_) | FilmContent::Color(_) => 0,
         }
     }
 

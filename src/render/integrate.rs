@@ -11,11 +11,12 @@ use super::shadow::{self, ShadowQuery};
 use super::tiles::{Tiled, add, camera_tiled, counted_tiled, tiled, tiles};
 use super::tonemap::srgb_decode;
 use super::views::{CountKind, Counter, View};
+use super::visits::{self, shape_values};
 use super::whitted::Whitted;
 use crate::accel::RayCounters;
 use crate::scene::{Camera, MaterialKind, Surface};
 use crate::task::{Cancelled, Task};
-use crate::world::World;
+use crate::world::{NodeFigure, World};
 
 /// Adds one sample to every pixel: sample number `film.samples`. The result depends on world, camera, settings and that
 /// number only, not on the number of threads. Runs in the current rayon pool.
@@ -113,13 +114,22 @@ fn colors(
             || (),
             |(), x, y| {
                 let ray = pass.camera_ray(x, y);
-                only_finite(path::radiance(pass, Estimator::Mis, ray, &mut pass.sampler(x, y)))
+                only_finite(path::radiance(pass, Estimator::Mis, ray, &mut pass.sampler(x, y), &mut ()))
             },
         ),
         View::Whitted => whitted_frame(pass, size, task, finished),
         View::Albedo => surface(albedo),
         View::Normal => surface(|_, surface| shown_as(0.5 * surface.shading_normal + 0.5)),
         View::ShapeId => surface(|_, surface| shown_as(shape_color(surface.shape))),
+        View::Material => surface(|_, surface| shown_as(shape_color(surface.material))),
+        View::LeafId => {
+            let leaves = shape_values(pass.world, NodeFigure::Unique, &[], &task.step())?;
+            camera_tiled(pass, size, task, finished, move |_, _, hit| {
+                let leaf = hit.and_then(|hit| leaves.get(hit.shape as usize).copied());
+                // A shape outside the tree is in no leaf.
+                leaf.map_or(Vec3::ZERO, |leaf| shown_as(shape_color(leaf.to_bits())))
+            })
+        }
         View::ShadowIntersect => shadow(ShadowQuery::Intersect),
         View::ShadowOccluded => shadow(ShadowQuery::Occluded),
         View::ShadowFiltered => shadow(ShadowQuery::Filtered),
@@ -130,7 +140,15 @@ fn colors(
         | View::LeafVisits
         | View::RayCost
         | View::ShadowDifference
-        | View::ShadowSaving => unreachable!("a film of {} holds numbers", view.name()),
+        | View::ShadowSaving
+        | View::LeafDepth
+        | View::LeafSize
+        | View::LeafSahShare
+        | View::LeafEpo
+        | View::LeafFill
+        | View::LeafRays
+        | View::ParentOverlap
+        | View::ParentEmptySpace => unreachable!("a film of {} holds numbers", view.name()),
     }
 }
 
@@ -156,6 +174,12 @@ fn numbers(
             Ok(())
         })
     };
+    if let Some(figure) = subject.view.leaf_figure() {
+        let values = leaf_values(pass, figure, size, task)?;
+        return camera_tiled(pass, size, task, finished, |_, _, hit| {
+            hit.and_then(|hit| values.get(hit.shape as usize).copied()).unwrap_or(f32::NAN)
+        });
+    }
     match subject.view.counter() {
         Some(Counter::NodesVisited) => counted(|_, c| c.nodes_visited() as f64),
         Some(Counter::BoxTests) => counted(|_, c| c.box_tests as f64),
@@ -176,6 +200,15 @@ fn numbers(
         }
         None => camera_tiled(pass, size, task, finished, |_, _, hit| hit.map_or(f32::NAN, |hit| hit.t)),
     }
+}
+
+/// A figure of the leaf of each shape, or of the node above it where the figure is one of inner nodes.
+fn leaf_values(pass: &Pass, figure: NodeFigure, size: [u32; 2], task: &Task) -> Result<Vec<f32>, Cancelled> {
+    let visits = match figure {
+        NodeFigure::Visits => visits::camera_visits(pass, size, task)?,
+        _ => Vec::new(),
+    };
+    shape_values(pass.world, figure, &visits, &task.step())
 }
 
 /// One sample of every pixel of a Whitted picture.

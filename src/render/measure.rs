@@ -295,6 +295,7 @@ mod tests {
                 kind: RayKind::Camera,
                 rays: &[ray],
                 pixels: &[0],
+                parents: &[0],
                 counters: &counters,
             });
         }

@@ -2,6 +2,7 @@
 
 pub mod bench;
 pub mod bsdf;
+pub mod difference;
 pub mod display;
 pub mod film;
 pub mod integrate;
@@ -18,6 +19,7 @@ pub mod shadow;
 mod tiles;
 pub mod tonemap;
 pub mod views;
+pub mod visits;
 pub mod whitted;
 
 pub use display::{ColorMap, DisplaySettings};

@@ -37,6 +37,9 @@ pub struct TracedRays<'a> {
     pub rays: &'a [Ray],
     /// For which of the asked pixels each was traced.
     pub pixels: &'a [u32],
+    /// From whose hit each goes on: its index among the camera or bounce rays that were told of last. Without meaning for
+    /// camera rays.
+    pub parents: &'a [u32],
     /// What each met; empty if [`RayObserver::COUNTS`] says that nobody asks.
     pub counters: &'a [RayCounters],
 }
@@ -175,7 +178,8 @@ mod tests {
             pixels.restart(2);
             for (kind, leaf_visits) in [(RayKind::Camera, 2), (RayKind::Bounce, 3), (RayKind::Shadow, 4)] {
                 let counters = [RayCounters { leaf_visits, ..RayCounters::default() }];
-                let traced = TracedRays { kind, rays: &[ray], pixels: &[1], counters: &counters };
+                let traced =
+                    TracedRays { kind, rays: &[ray], pixels: &[1], parents: &[0], counters: &counters };
                 all.traced(&traced);
                 pixels.traced(&traced);
             }

@@ -7,6 +7,7 @@
 use glam::Vec3;
 
 use super::bsdf::{Bsdf, ShadingFrame, transmittance};
+use super::observer::{RayKind, RayObserver, TracedRays};
 use super::pass::Pass;
 use super::sampler::Sampler;
 use crate::geometry::Ray;
@@ -75,8 +76,15 @@ struct Scattered {
     cosine: f32,
 }
 
-/// The radiance that arrives along a camera ray: one sample of it.
-pub fn radiance(pass: &Pass, estimator: Estimator, mut ray: Ray, sampler: &mut Sampler) -> Vec3 {
+/// The radiance that arrives along a camera ray: one sample of it. `observer` is told of every ray; what they count is not
+/// looked at.
+pub fn radiance<O: RayObserver>(
+    pass: &Pass,
+    estimator: Estimator,
+    mut ray: Ray,
+    sampler: &mut Sampler,
+    observer: &mut O,
+) -> Vec3 {
     let scene = &*pass.world.scene;
     let mut sum = Vec3::ZERO;
     let mut throughput = Vec3::ONE;
@@ -84,6 +92,8 @@ pub fn radiance(pass: &Pass, estimator: Estimator, mut ray: Ray, sampler: &mut S
     let mut scattered: Option<Scattered> = None;
     let mut medium = Vec3::ZERO;
     for bounce in 0.. {
+        let kind = if bounce == 0 { RayKind::Camera } else { RayKind::Bounce };
+        observer.traced(&traced_alone(kind, &ray));
         let Some(hit) = pass.world.intersect(&ray, &mut ()) else {
             let weight = scattered
                 .as_ref()
@@ -109,7 +119,7 @@ pub fn radiance(pass: &Pass, estimator: Estimator, mut ray: Ray, sampler: &mut S
             break;
         }
         if estimator != Estimator::Plain && bsdf.has_smooth_lobe() {
-            sum += throughput * sampled_light(pass, estimator, &surface, &frame, &bsdf, sampler);
+            sum += throughput * sampled_light(pass, estimator, &surface, &frame, &bsdf, sampler, observer);
         }
         let lobe = sampler.next_1d();
         let Some(sample) = bsdf.sample(&frame, lobe, sampler.next_2d()) else { break };
@@ -126,6 +136,10 @@ pub fn radiance(pass: &Pass, estimator: Estimator, mut ray: Ray, sampler: &mut S
         ray = Ray::new(surface.ray_origin(sample.direction), sample.direction);
     }
     sum
+}
+
+fn traced_alone(kind: RayKind, ray: &Ray) -> TracedRays<'_> {
+    TracedRays { kind, rays: std::slice::from_ref(ray), pixels: &[0], parents: &[0], counters: &[] }
 }
 
 /// What the medium before a surface absorbs per unit length: inside glass that glass's own, whatever was crossed before.
@@ -152,17 +166,22 @@ pub fn medium_behind(bsdf: &Bsdf, frame: &ShadingFrame, direction: Vec3, medium:
 }
 
 /// Light from one sampled point of a light, scattered towards the viewer.
-fn sampled_light(
+fn sampled_light<O: RayObserver>(
     pass: &Pass,
     estimator: Estimator,
     surface: &Surface,
     frame: &ShadingFrame,
     bsdf: &Bsdf,
     sampler: &mut Sampler,
+    observer: &mut O,
 ) -> Vec3 {
     let Some(light) = pass.lights.sample(surface, frame, sampler) else { return Vec3::ZERO };
     let cosine = frame.cosine(light.direction);
-    if cosine == 0.0 || pass.world.occluded(&light.shadow_ray, &mut ()).is_some() {
+    if cosine == 0.0 {
+        return Vec3::ZERO;
+    }
+    observer.traced(&traced_alone(RayKind::Shadow, &light.shadow_ray));
+    if pass.world.occluded(&light.shadow_ray, &mut ()).is_some() {
         return Vec3::ZERO;
     }
     let scattered = if light.can_be_hit { bsdf.pdf(frame, light.direction) } else { 0.0 };

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::world::NodeFigure;
+
 /// Every picture that the program makes, as in `--view NAME`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -23,6 +25,16 @@ pub enum View {
     ShadowFiltered,
     ShadowDifference,
     ShadowSaving,
+    LeafDepth,
+    LeafSize,
+    LeafSahShare,
+    LeafEpo,
+    LeafFill,
+    LeafRays,
+    ParentOverlap,
+    ParentEmptySpace,
+    LeafId,
+    Material,
 }
 
 /// What a view's film holds, and what it depends on.
@@ -36,6 +48,8 @@ pub enum ViewClass {
     Distance,
     /// A count a pixel, shown through a colour map; depends on the tree.
     Heat,
+    /// A figure of the leaf at each pixel, shown through a colour map; depends on the tree.
+    Leaf,
     /// A pixel class of [`super::shadow::ShadowClass`].
     Class,
 }
@@ -90,7 +104,7 @@ impl CountKind {
 }
 
 impl View {
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 26] = [
         Self::Path,
         Self::Whitted,
         Self::Albedo,
@@ -107,6 +121,16 @@ impl View {
         Self::ShadowFiltered,
         Self::ShadowDifference,
         Self::ShadowSaving,
+        Self::LeafDepth,
+        Self::LeafSize,
+        Self::LeafSahShare,
+        Self::LeafEpo,
+        Self::LeafFill,
+        Self::LeafRays,
+        Self::ParentOverlap,
+        Self::ParentEmptySpace,
+        Self::LeafId,
+        Self::Material,
     ];
 
     pub fn name(self) -> &'static str {
@@ -127,6 +151,16 @@ impl View {
             Self::ShadowFiltered => "shadow-filtered",
             Self::ShadowDifference => "shadow-difference",
             Self::ShadowSaving => "shadow-saving",
+            Self::LeafDepth => "leaf-depth",
+            Self::LeafSize => "leaf-size",
+            Self::LeafSahShare => "leaf-sah-share",
+            Self::LeafEpo => "leaf-epo",
+            Self::LeafFill => "leaf-fill",
+            Self::LeafRays => "leaf-rays",
+            Self::ParentOverlap => "parent-overlap",
+            Self::ParentEmptySpace => "parent-empty-space",
+            Self::LeafId => "leaf-id",
+            Self::Material => "material",
         }
     }
 
@@ -151,6 +185,18 @@ impl View {
             Self::ShadowFiltered => "direct light with shadows by any hit that blocks light",
             Self::ShadowDifference => "where a shadow by occluded differs from one by intersect",
             Self::ShadowSaving => "nodes that the early out of occluded saves over intersect",
+            Self::LeafDepth => "the depth of the first surface's leaf",
+            Self::LeafSize => "shapes in the first surface's leaf",
+            Self::LeafSahShare => "the share of the SAH cost that the first surface's leaf has",
+            Self::LeafEpo => "the part of the end-point overlap that the first surface's leaf has",
+            Self::LeafFill => "how full the first surface's leaf is: the share of lanes that are used",
+            Self::LeafRays => "camera rays that visit the first surface's leaf",
+            Self::ParentOverlap => {
+                "how much the leaf and its siblings overlap: of the node above the first surface's leaf"
+            }
+            Self::ParentEmptySpace => "the empty space in the node above the first surface's leaf",
+            Self::LeafId => "a colour for each leaf",
+            Self::Material => "a colour for each material",
         }
     }
 
@@ -161,7 +207,7 @@ impl View {
             | Self::ShadowIntersect
             | Self::ShadowOccluded
             | Self::ShadowFiltered => ViewClass::Radiance,
-            Self::Albedo | Self::Normal | Self::ShapeId => ViewClass::Data,
+            Self::Albedo | Self::Normal | Self::ShapeId | Self::LeafId | Self::Material => ViewClass::Data,
             Self::Depth => ViewClass::Distance,
             Self::NodesVisited
             | Self::BoxTests
@@ -169,6 +215,14 @@ impl View {
             | Self::LeafVisits
             | Self::RayCost
             | Self::ShadowSaving => ViewClass::Heat,
+            Self::LeafDepth
+            | Self::LeafSize
+            | Self::LeafSahShare
+            | Self::LeafEpo
+            | Self::LeafFill
+            | Self::LeafRays
+            | Self::ParentOverlap
+            | Self::ParentEmptySpace => ViewClass::Leaf,
             Self::ShadowDifference => ViewClass::Class,
         }
     }
@@ -191,21 +245,68 @@ impl View {
             | Self::ShadowIntersect
             | Self::ShadowOccluded
             | Self::ShadowFiltered
-            | Self::ShadowDifference => None,
+            | Self::ShadowDifference
+            | Self::LeafDepth
+            | Self::LeafSize
+            | Self::LeafSahShare
+            | Self::LeafEpo
+            | Self::LeafFill
+            | Self::LeafRays
+            | Self::ParentOverlap
+            | Self::ParentEmptySpace
+            | Self::LeafId
+            | Self::Material => None,
+        }
+    }
+
+    /// Whether a pixel counts what its rays of some kind meet.
+    pub fn counts_rays(self) -> bool {
+        self.counter().is_some() && self != Self::ShadowSaving
+    }
+
+    /// The figure of a leaf, or of the node above it, that the view shows.
+    pub fn leaf_figure(self) -> Option<NodeFigure> {
+        match self {
+            Self::LeafDepth => Some(NodeFigure::Depth),
+            Self::LeafSize => Some(NodeFigure::LeafSize),
+            Self::LeafSahShare => Some(NodeFigure::SahShare),
+            Self::LeafEpo => Some(NodeFigure::Epo),
+            Self::LeafFill => Some(NodeFigure::Fill),
+            Self::LeafRays => Some(NodeFigure::Visits),
+            Self::ParentOverlap => Some(NodeFigure::Overlap),
+            Self::ParentEmptySpace => Some(NodeFigure::EmptySpace),
+            Self::LeafId => Some(NodeFigure::Unique),
+            Self::Path
+            | Self::Whitted
+            | Self::Albedo
+            | Self::Normal
+            | Self::Depth
+            | Self::ShapeId
+            | Self::NodesVisited
+            | Self::BoxTests
+            | Self::ShapeTests
+            | Self::LeafVisits
+            | Self::RayCost
+            | Self::ShadowIntersect
+            | Self::ShadowOccluded
+            | Self::ShadowFiltered
+            | Self::ShadowDifference
+            | Self::ShadowSaving
+            | Self::Material => None,
         }
     }
 
     /// Whether the picture changes when only the tree does.
     pub fn depends_on_tree(self) -> bool {
-        self.class() == ViewClass::Heat
+        self.class() == ViewClass::Heat || self.leaf_figure().is_some()
     }
 
     /// Whether more samples refine it (else one sample is all there is).
     pub fn refines(self, count: CountKind) -> bool {
         match self.class() {
             ViewClass::Radiance => true,
-            ViewClass::Heat => self != Self::ShadowSaving && count != CountKind::Camera,
-            ViewClass::Data | ViewClass::Distance | ViewClass::Class => false,
+            ViewClass::Heat => self.counts_rays() && count != CountKind::Camera,
+            ViewClass::Data | ViewClass::Distance | ViewClass::Leaf | ViewClass::Class => false,
         }
     }
 

@@ -34,17 +34,26 @@ struct Branch {
     medium: Vec3,
 }
 
+/// The pixel of a ray, and from whose hit it goes on.
+#[derive(Clone, Copy, Debug)]
+struct Origin {
+    pixel: u32,
+    parent: u32,
+}
+
 /// Rays of one kind, each for a pixel and with what belongs to it.
 #[derive(Clone, Debug)]
 struct Rays<T> {
     rays: Vec<Ray>,
     pixels: Vec<u32>,
+    /// As in [`TracedRays`].
+    parents: Vec<u32>,
     with: Vec<T>,
 }
 
 impl<T> Default for Rays<T> {
     fn default() -> Self {
-        Self { rays: Vec::new(), pixels: Vec::new(), with: Vec::new() }
+        Self { rays: Vec::new(), pixels: Vec::new(), parents: Vec::new(), with: Vec::new() }
     }
 }
 
@@ -52,12 +61,14 @@ impl<T> Rays<T> {
     fn clear(&mut self) {
         self.rays.clear();
         self.pixels.clear();
+        self.parents.clear();
         self.with.clear();
     }
 
-    fn push(&mut self, ray: Ray, pixel: u32, with: T) {
+    fn push(&mut self, ray: Ray, of: Origin, with: T) {
         self.rays.push(ray);
-        self.pixels.push(pixel);
+        self.pixels.push(of.pixel);
+        self.parents.push(of.parent);
         self.with.push(with);
     }
 }
@@ -104,19 +115,20 @@ impl<'w> Whitted<'w> {
         self.branches.clear();
         for (pixel, &[x, y]) in pixels.iter().enumerate() {
             let branch = Branch { weight: Vec3::ONE, medium: Vec3::ZERO };
-            self.branches.push(pass.camera_ray(x, y), pixel as u32, branch);
+            let of = Origin { pixel: pixel as u32, parent: 0 };
+            self.branches.push(pass.camera_ray(x, y), of, branch);
         }
         let mut depth = 0;
         while !self.branches.rays.is_empty() {
             task.check()?;
             let kind = if depth == 0 { RayKind::Camera } else { RayKind::Bounce };
-            let Rays { rays, pixels, with } = &self.branches;
+            let Rays { rays, pixels, parents, with } = &self.branches;
             let hits = if O::COUNTS {
                 let (hits, counters) = self.packets.intersect_and_count(rays);
-                observer.traced(&TracedRays { kind, rays, pixels, counters });
+                observer.traced(&TracedRays { kind, rays, pixels, parents, counters });
                 hits
             } else {
-                observer.traced(&TracedRays { kind, rays, pixels, counters: &[] });
+                observer.traced(&TracedRays { kind, rays, pixels, parents, counters: &[] });
                 self.packets.intersect(rays)
             };
             if observer.asks_for_camera_rays_alone() {
@@ -125,9 +137,10 @@ impl<'w> Whitted<'w> {
             self.next.clear();
             self.shadows.clear();
             let deeper = depth < pass.max_depth;
-            for (((ray, &pixel), branch), hit) in rays.iter().zip(pixels).zip(with).zip(hits) {
+            let found = rays.iter().zip(pixels).zip(with).zip(hits);
+            for (parent, (((ray, &pixel), branch), hit)) in found.enumerate() {
                 let mut shading = Shading {
-                    pixel,
+                    of: Origin { pixel, parent: parent as u32 },
                     sum: &mut self.sums[pixel as usize],
                     sampler: &mut self.samplers[pixel as usize],
                     next: deeper.then_some(&mut self.next),
@@ -144,14 +157,14 @@ impl<'w> Whitted<'w> {
 
     /// Adds the light whose way is free.
     fn light<O: RayObserver>(&mut self, pass: &Pass, observer: &mut O) {
-        let Rays { rays, pixels, with } = &self.shadows;
+        let Rays { rays, pixels, parents, with } = &self.shadows;
         let kind = RayKind::Shadow;
         let blocked = if O::COUNTS {
             let (blocked, counters) = self.packets.occluded_filtered_and_count(rays, pass.shadow_rule);
-            observer.traced(&TracedRays { kind, rays, pixels, counters });
+            observer.traced(&TracedRays { kind, rays, pixels, parents, counters });
             blocked
         } else {
-            observer.traced(&TracedRays { kind, rays, pixels, counters: &[] });
+            observer.traced(&TracedRays { kind, rays, pixels, parents, counters: &[] });
             self.packets.occluded_filtered(rays, pass.shadow_rule)
         };
         for ((&pixel, &light), &blocked) in pixels.iter().zip(with).zip(blocked) {
@@ -164,7 +177,8 @@ impl<'w> Whitted<'w> {
 
 /// Where the light of one hit goes, and the rays that it asks for.
 struct Shading<'s> {
-    pixel: u32,
+    /// Of the rays that go on from here.
+    of: Origin,
     sum: &'s mut Vec3,
     sampler: &'s mut Sampler,
     /// `None` at the greatest depth.
@@ -191,7 +205,7 @@ impl Shading<'_> {
             {
                 let medium = medium_behind(&bsdf, &frame, direction, medium);
                 let ray = Ray::new(surface.ray_origin(direction), direction);
-                next.push(ray, self.pixel, Branch { weight, medium });
+                next.push(ray, self.of, Branch { weight, medium });
             }
         };
         match bsdf {
@@ -240,7 +254,7 @@ impl Shading<'_> {
         let cosine = frame.cosine(light.direction);
         if cosine > 0.0 {
             let arriving = light.radiance * (cosine / light.pdf);
-            self.shadows.push(light.shadow_ray, self.pixel, reflected * arriving);
+            self.shadows.push(light.shadow_ray, self.of, reflected * arriving);
         }
     }
 }

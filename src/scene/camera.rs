@@ -136,6 +136,17 @@ impl Camera {
         camera
     }
 
+    /// A camera that sees a segment from the side, slightly from above, with room around it.
+    pub fn aside(from: Vec3, to: Vec3, up: UpAxis) -> Self {
+        let along = finite_or_zero((to - from).as_dvec3());
+        let (right, above) = axes_along(along.try_normalize().unwrap_or(up.front()), up);
+        let middle = finite_or_zero((0.5 * (from + to)).as_dvec3());
+        let distance = along.length().max(1e-3 * middle.abs().max_element()).max(1e-6) * 1.5;
+        let eye = middle + (right * 0.94 + above * 0.34) * distance;
+        let fov_y_degrees = Self::FRAMING_FOV_DEGREES;
+        Self { eye: eye.as_vec3(), target: middle.as_vec3(), fov_y_degrees, up }
+    }
+
     /// Turns around the target by angles in radians: `yaw > 0` moves the eye to its right, `pitch > 0` upwards. Never
     /// over the pole.
     pub fn orbit(&mut self, yaw: f32, pitch: f32) {
@@ -269,6 +280,25 @@ mod tests {
         }
         assert!(f.right.dot(f.up).abs() < 1e-5 && f.right.dot(f.forward).abs() < 1e-5);
         assert!(f.half_size.is_finite() && f.half_size.min_element() > 0.0);
+    }
+
+    #[test]
+    fn a_segment_is_seen_from_the_side() {
+        for up in UpAxis::ALL {
+            for (from, to) in
+                [(Vec3::ZERO, Vec3::Z), (Vec3::ONE, Vec3::new(-3.0, 1.0, 2.0)), (Vec3::Y, -Vec3::Y)]
+            {
+                let camera = Camera::aside(from, to, up);
+                assert_sound(&camera);
+                let frame = camera.frame(600, 400);
+                let [a, b] = [from, to].map(|p| frame.project(p));
+                for p in [a, b] {
+                    assert!((0.0..600.0).contains(&p.x) && (0.0..400.0).contains(&p.y) && p.z > 0.0);
+                }
+                assert!(a.truncate().distance(b.truncate()) > 100.0);
+            }
+            assert_sound(&Camera::aside(Vec3::ONE, Vec3::ONE, up));
+        }
     }
 
     #[test]

@@ -9,14 +9,14 @@ use std::path::{Component, Path, PathBuf};
 use serde::Deserialize;
 
 use super::flags::{FlagError, flags};
-use super::{Session, Variant};
+use super::{MAX_VARIANTS, Session, SessionScene, Variant, bookmark};
 use crate::scene::load::TreeFormat;
 use crate::scene::{SceneRef, builtin};
 
-/// Most build settings side by side.
-pub const MAX_VARIANTS: usize = 64;
-/// Longest name of one, in characters.
-const MAX_NAME: usize = 100;
+/// Longest name of a variant or a bookmark, in characters.
+pub(super) const MAX_NAME: usize = 100;
+/// The flag `--time` allows as much.
+const MAX_TIME: f32 = 1e6;
 
 #[derive(Debug, thiserror::Error)]
 pub enum SessionError {
@@ -76,20 +76,27 @@ pub fn from_text(text: &str, folder: Option<&Path>) -> Result<Session, SessionEr
         camera.up = session.up;
     }
     check(&session)?;
+    // A scene or a moment of the active state's own is the session's.
+    session = session.activated(session.active);
     if let Some(folder) = folder {
         paths(&mut session).for_each(|path| *path = folder.join(&*path));
     }
     Ok(session)
 }
 
-/// The files that a session names: its scene's, and those of its trees.
+/// The files that a session names: those of its scenes, and of its trees.
 fn paths(session: &mut Session) -> impl Iterator<Item = &mut PathBuf> {
-    let scene = match &mut session.scene.reference {
-        SceneRef::File(path) => Some(path),
-        SceneRef::Builtin(_) => None,
-    };
-    let trees = session.variants.iter_mut().filter_map(|variant| variant.tree.as_mut());
-    scene.into_iter().chain(trees.map(|tree| &mut tree.path))
+    fn of_scene(scene: &mut SessionScene) -> Option<&mut PathBuf> {
+        match &mut scene.reference {
+            SceneRef::File(path) => Some(path),
+            SceneRef::Builtin(_) => None,
+        }
+    }
+    let of_variants = session.variants.iter_mut().flat_map(move |variant| {
+        let scene = variant.scene.as_mut().and_then(of_scene);
+        scene.into_iter().chain(variant.tree.as_mut().map(|tree| &mut tree.path))
+    });
+    of_scene(&mut session.scene).into_iter().chain(of_variants)
 }
 
 /// Checks every value of a session: ranges, numbers that are none, an active variant that is not there.
@@ -97,8 +104,9 @@ fn paths(session: &mut Session) -> impl Iterator<Item = &mut PathBuf> {
 /// # Errors
 /// [`SessionError::Value`], which says what is allowed.
 pub fn check(session: &Session) -> Result<(), SessionError> {
-    check_scene(session)?;
+    check_scene(&session.scene)?;
     check_variants(session)?;
+    bookmark::check(session).map_err(wrong)?;
     let mut scratch = Session::default();
     for flag in flags() {
         if let Err(FlagError::Value { flag, value, reason }) = flag.read(&mut scratch, &flag.write(session)) {
@@ -108,8 +116,8 @@ pub fn check(session: &Session) -> Result<(), SessionError> {
     Ok(())
 }
 
-fn check_scene(session: &Session) -> Result<(), SessionError> {
-    match &session.scene.reference {
+fn check_scene(scene: &SessionScene) -> Result<(), SessionError> {
+    match &scene.reference {
         SceneRef::Builtin(name) if !builtin::is_name(name) => {
             return Err(wrong(format!("scene '{name}' is none of the built-in ones")));
         }
@@ -118,7 +126,12 @@ fn check_scene(session: &Session) -> Result<(), SessionError> {
         }
         SceneRef::Builtin(_) | SceneRef::File(_) => {}
     }
-    check_hash(&session.scene.content_hash)
+    check_hash(&scene.content_hash)
+}
+
+/// Whether something in a session can be called so.
+pub(super) fn is_name(name: &str) -> bool {
+    !name.is_empty() && name.chars().count() <= MAX_NAME && !name.chars().any(char::is_control)
 }
 
 fn check_hash(hash: &str) -> Result<(), SessionError> {
@@ -137,13 +150,19 @@ fn check_variants(session: &Session) -> Result<(), SessionError> {
     if session.active >= count {
         return Err(wrong(format!("active is {}, but its variants are 0 to {}", session.active, count - 1)));
     }
-    for Variant { name, build, tree } in &session.variants {
-        if name.is_empty() || name.chars().count() > MAX_NAME || name.chars().any(char::is_control) {
+    for Variant { name, build, tree, scene, time } in &session.variants {
+        if !is_name(name) {
             return Err(wrong(format!(
                 "variants have a name {name:?}; allowed are 1 to {MAX_NAME} printable characters"
             )));
         }
         build.check().map_err(|error| wrong(format!("variant {name}: {error}")))?;
+        scene.as_ref().map_or(Ok(()), check_scene)?;
+        if let Some(time) = time.filter(|time| !(-MAX_TIME..=MAX_TIME).contains(time)) {
+            return Err(wrong(format!(
+                "variant {name} has the time {time}: allowed is a number from -{MAX_TIME} to {MAX_TIME}"
+            )));
+        }
         let Some(tree) = tree else { continue };
         if TreeFormat::of(&tree.path).is_none() {
             return Err(wrong(format!(
@@ -234,6 +253,11 @@ mod tests {
                 "variant A has the tree 'a.obj', no .npz or .json",
             ),
             (
+                r#"variants: [(name: "A", build: (), scene: Some((reference: builtin("nowhere"))))]"#,
+                "scene 'nowhere' is none of the built-in ones",
+            ),
+            (r#"variants: [(name: "A", build: (), time: Some(NaN))]"#, "variant A has the time NaN"),
+            (
                 r#"variants: [(name: "A", build: (), tree: Some((path: "a.npz", content_hash: "x")))]"#,
                 "64 hexadecimal digits",
             ),
@@ -263,6 +287,22 @@ mod tests {
         assert_eq!(moved.scene.reference, SceneRef::File(PathBuf::from("/elsewhere/models/teapot.obj")));
         let outside = to_text(&session, Some(Path::new("/home")));
         assert!(outside.contains(r#"file("/work/models/teapot.obj")"#), "{outside}");
+    }
+
+    #[test]
+    fn a_state_may_have_a_scene_and_a_moment_of_its_own() {
+        let text = r#"(version: 1, time: 1.0, active: 1, variants: [
+            (name: "A", build: (), scene: Some((reference: file("m/a.obj"))), time: Some(2.5)),
+            (name: "B", build: (), time: Some(3.0)),
+            (name: "C", build: ())])"#;
+        let session = from_text(text, Some(Path::new("/work"))).expect("a session");
+        assert_eq!(session.scene_of(0).reference, SceneRef::File(PathBuf::from("/work/m/a.obj")));
+        let times: Vec<f32> = (0..3).map(|i| session.time_of(i)).collect();
+        assert_eq!(times, [2.5, 3.0, 1.0]);
+        assert_eq!((session.time, session.variants[1].time), (3.0, None), "the active one is the session's");
+        let written = to_text(&session, Some(Path::new("/work")));
+        assert!(written.contains(r#"file("m/a.obj")"#), "{written}");
+        assert_eq!(from_text(&written, Some(Path::new("/work"))).expect("a session"), session);
     }
 
     #[test]

@@ -93,9 +93,14 @@ pub fn find(name: &str) -> Result<&'static Flag, FlagError> {
 /// `bvhscope render SCENE --out FILE` with every flag that differs from the default: the command that makes the same
 /// picture without a window. Quoted for a POSIX shell. Of several variants it names the active one.
 pub fn command_line(session: &Session, out: &str) -> String {
-    let mut words = vec!["bvhscope".to_owned(), "render".to_owned()];
+    command(session, "render", &["--out", out])
+}
+
+/// `bvhscope NAME SCENE` with further words and every flag that differs from the default, as [`command_line`].
+pub fn command(session: &Session, name: &str, more: &[&str]) -> String {
+    let mut words = vec!["bvhscope".to_owned(), name.to_owned()];
     words.push(scene_word(&session.scene.reference));
-    words.extend(["--out".to_owned(), out.to_owned()]);
+    words.extend(more.iter().map(|word| (*word).to_owned()));
     words.extend(flag_words(session));
     if let (SceneRef::File(path), None) = (&session.scene.reference, session.tree())
         && TreeFormat::of(path).is_some()

@@ -1,11 +1,14 @@
 //! One value that says everything that is shown. The command line parses one, the window edits one, a file and a
 //! screenshot carry one.
 
+pub mod bookmark;
 pub mod file;
 mod flag_table;
 pub mod flags;
 pub mod prepare;
+pub mod ray_text;
 mod values;
+mod variants;
 
 use std::path::PathBuf;
 
@@ -15,6 +18,9 @@ use crate::accel::BuildConfig;
 use crate::render::film::FilmSubject;
 use crate::render::{CountKind, DisplaySettings, OverlaySettings, RenderSettings, View};
 use crate::scene::{Camera, SceneRef, ShadowRule, UpAxis};
+
+pub use bookmark::Bookmark;
+pub use variants::{MAX_VARIANTS, Variant};
 
 /// Scene, builds, camera, view, render and overlay settings. A picture is a function of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,6 +46,8 @@ pub struct Session {
     pub render: RenderSettings,
     pub display: DisplaySettings,
     pub overlay: OverlaySettings,
+    /// Cameras to go back to.
+    pub bookmarks: Vec<Bookmark>,
 }
 
 /// Which scene, and how to tell that it is still the same.
@@ -51,16 +59,6 @@ pub struct SessionScene {
     /// SHA-256 of a model's file; empty for built-in scenes and while nothing is loaded.
     pub content_hash: String,
     pub shape_count: Option<usize>,
-}
-
-/// Named build settings.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Variant {
-    pub name: String,
-    pub build: BuildConfig,
-    /// The tree of a file instead of one that is built; its costs and instructions are those of `build`.
-    #[serde(default)]
-    pub tree: Option<TreeRef>,
 }
 
 /// The file of a tree from another program, and how to tell that it is still the same.
@@ -82,7 +80,7 @@ impl Default for Session {
             ground: false,
             up: UpAxis::default(),
             camera: None,
-            variants: vec![Variant { name: "A".to_owned(), build: BuildConfig::default(), tree: None }],
+            variants: vec![Variant::default()],
             active: 0,
             view: View::default(),
             count: CountKind::default(),
@@ -90,6 +88,7 @@ impl Default for Session {
             render: RenderSettings::default(),
             display: DisplaySettings::default(),
             overlay: OverlaySettings::default(),
+            bookmarks: Vec::new(),
         }
     }
 }

@@ -12,18 +12,21 @@ mod node_figure;
 mod packet;
 mod packets;
 pub mod store;
+mod watch;
 
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use glam::Vec3;
 
+use crate::accel::build::Onlooker;
 use crate::accel::quality::TreeFigures;
 use crate::accel::simd::{SimdLevel, SimdToken};
 use crate::accel::{
-    BuildConfig, BuildPhase, BuildReport, LeafIntersector, Probe, Shapes, Tree, build_over, traverse,
-    validate,
+    BuildConfig, BuildPhase, BuildReport, LeafIntersector, Probe, Shapes, Tree, build_over, build_watched,
+    traverse, validate,
 };
+use crate::each_width;
 use crate::geometry::{Aabb, Hit, PreparedRay, Ray, Shape};
 use crate::scene::{Scene, ShadowRule};
 use crate::task::{Cancelled, Task};
@@ -37,6 +40,7 @@ pub use imported::{Imported, OtherScene, TreeFile};
 pub use node_figure::NodeFigure;
 pub use packets::Packets;
 use store::Beyond;
+pub use watch::{RayQuery, Watched};
 
 /// A frozen scene with one tree over its bounded shapes. Immutable; share it behind an `Arc`.
 #[derive(Debug)]
@@ -64,11 +68,54 @@ impl World {
     /// If a shape's box is not finite (loaders remove such shapes), or `config` is out of range.
     pub fn build(scene: Arc<Scene>, config: &BuildConfig, task: &Task) -> Result<Self, Cancelled> {
         task.check()?;
-        let (tree, mut report) = build_over(&BoundedShapes(&scene), config, task)?;
+        let (tree, report) = build_over(&BoundedShapes(&scene), config, task)?;
         if cfg!(debug_assertions) {
             let violations = validate::validate(&tree, &scene.shape_bounds());
             assert!(violations.is_empty(), "a tree with {config:?} is not valid: {violations:?}");
         }
+        Self::with_built(scene, tree, report, config, task)
+    }
+
+    /// As if some shapes were not there: for looking at what they hide. Shapes keep their indices. Lights shine on, also those
+    /// whose shapes are hidden.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when the task was.
+    ///
+    /// # Panics
+    /// As [`World::build`], and if `hidden` does not ascend.
+    pub fn without(
+        scene: Arc<Scene>,
+        hidden: &[u32],
+        config: &BuildConfig,
+        task: &Task,
+    ) -> Result<Self, Cancelled> {
+        assert!(hidden.is_sorted(), "hidden shapes ascend");
+        task.check()?;
+        let is_shown = |shape: &u32| hidden.binary_search(shape).is_err();
+        let shown: Vec<u32> = (0..scene.shape_count() as u32).filter(is_shown).collect();
+        let shapes = SomeShapes { all: BoundedShapes(&scene), shown: &shown };
+        let (mut tree, report) = build_over(&shapes, config, task)?;
+        each_width!(&mut tree, t => t.refs.iter_mut().for_each(|shape| *shape = shown[*shape as usize]));
+        Self::with_built(scene, tree, report, config, task)
+    }
+
+    /// Builds the tree of a scene once more, with somebody who looks on; the world's own stays.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when the task was.
+    pub fn watch_build(&self, onlooker: Onlooker<'_>, task: &Task) -> Result<(), Cancelled> {
+        build_watched(&BoundedShapes(&self.scene), &self.report.config, onlooker, task).map(|_| ())
+    }
+
+    /// The scene with a tree over its shapes.
+    fn with_built(
+        scene: Arc<Scene>,
+        tree: Tree,
+        mut report: BuildReport,
+        config: &BuildConfig,
+        task: &Task,
+    ) -> Result<Self, Cancelled> {
         let start = Instant::now();
         let store = PrimStore::new(&scene, &tree, task)?;
         let pack_phase = BuildPhase { name: "pack", ms: elapsed_ms(start) };
@@ -195,6 +242,38 @@ impl World {
     }
 }
 
+/// Some of the shapes, by their place among those.
+struct SomeShapes<'a> {
+    all: BoundedShapes<'a>,
+    shown: &'a [u32],
+}
+
+impl Shapes for SomeShapes<'_> {
+    fn count(&self) -> usize {
+        self.shown.len()
+    }
+
+    fn bounds(&self, shape: u32) -> Aabb {
+        self.all.bounds(self.shown[shape as usize])
+    }
+
+    fn bounds_between(&self, shape: u32, axis: usize, from: f32, to: f32) -> Aabb {
+        self.all.bounds_between(self.shown[shape as usize], axis, from, to)
+    }
+
+    fn corners(&self, shape: u32) -> Option<[Vec3; 3]> {
+        self.all.corners(self.shown[shape as usize])
+    }
+
+    fn bounds_inside(&self, shape: u32, clip: &Aabb) -> Aabb {
+        self.all.bounds_inside(self.shown[shape as usize], clip)
+    }
+
+    fn area_in_parts(&self, shape: u32) -> f32 {
+        self.all.area_in_parts(self.shown[shape as usize])
+    }
+}
+
 /// The shapes that a tree is built over.
 struct BoundedShapes<'a>(&'a Scene);
 
@@ -229,4 +308,32 @@ impl Shapes for BoundedShapes<'_> {
 
 fn elapsed_ms(start: Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+
+    #[test]
+    fn rays_go_through_what_is_hidden() {
+        let scene = Arc::new(builtin::make("bunny").expect("a built-in scene"));
+        let all = World::build(Arc::clone(&scene), &BuildConfig::default(), &Task::new()).expect("built");
+        let frame = scene.camera.frame(24, 18);
+        for &(width, layout) in &BuildConfig::NODES {
+            let config = BuildConfig { width, layout, ..BuildConfig::default() };
+            let hidden: Vec<u32> = (0..scene.shape_count() as u32).filter(|shape| shape % 3 != 0).collect();
+            let some = World::without(Arc::clone(&scene), &hidden, &config, &Task::new()).expect("built");
+            for (x, y) in (0..24).flat_map(|x| (0..18).map(move |y| (x as f32 + 0.5, y as f32 + 0.5))) {
+                let ray = frame.ray(glam::Vec2::new(x, y));
+                let hit = some.intersect(&ray, &mut ());
+                assert!(hit.is_none_or(|hit| hit.shape % 3 == 0), "{hit:?}");
+                let first = all.intersect(&ray, &mut ()).filter(|hit| hit.shape % 3 == 0);
+                assert!(first.is_none() || hit == first, "what was seen before is seen still");
+            }
+        }
+        let none: Vec<u32> = (0..scene.shape_count() as u32).collect();
+        let empty = World::without(scene, &none, &BuildConfig::default(), &Task::new()).expect("built");
+        assert_eq!(empty.tree.node_count(), 0);
+    }
 }

@@ -19,11 +19,22 @@ pub enum NodeFigure {
     Overlap,
     EmptySpace,
     Fill,
+    Visits,
+    Unique,
 }
 
 impl NodeFigure {
-    pub const ALL: [Self; 7] =
-        [Self::Depth, Self::LeafSize, Self::SahShare, Self::Epo, Self::Overlap, Self::EmptySpace, Self::Fill];
+    pub const ALL: [Self; 9] = [
+        Self::Depth,
+        Self::LeafSize,
+        Self::SahShare,
+        Self::Epo,
+        Self::Overlap,
+        Self::EmptySpace,
+        Self::Fill,
+        Self::Visits,
+        Self::Unique,
+    ];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -34,6 +45,8 @@ impl NodeFigure {
             Self::Overlap => "overlap",
             Self::EmptySpace => "empty-space",
             Self::Fill => "fill",
+            Self::Visits => "visits",
+            Self::Unique => "unique",
         }
     }
 
@@ -47,6 +60,8 @@ impl NodeFigure {
             Self::Overlap => "overlap",
             Self::EmptySpace => "empty space",
             Self::Fill => "fill",
+            Self::Visits => "visits",
+            Self::Unique => "unique colour",
         }
     }
 
@@ -61,12 +76,21 @@ impl NodeFigure {
             Self::Overlap => "by how much of a node's area its children share in pairs; leaves grey",
             Self::EmptySpace => "by the share of a node's volume that no child covers; leaves grey",
             Self::Fill => "by the share of a node's slots that are used, of a leaf's lanes",
+            Self::Visits => "by how many of the rays of this frame visit the node",
+            Self::Unique => "a colour of its own for each node",
         }
     }
 }
 
+/// A number for each node, far apart for neighbouring ones, in 0..1.
+fn unique(node: u32) -> f32 {
+    // Steps of the golden ratio fill the circle evenly (Knuth, "The Art of Computer Programming", volume 3, 6.4).
+    (f64::from(node) * 0.618_033_988_749_894_9).fract() as f32
+}
+
 impl World {
     /// A figure of every node of the tree that is shown, by [`NodeId`](crate::accel::NodeId); NaN where it is undefined, or was too dear to find out.
+    /// The visits depend on rays: here they are all NaN, and `render::visits::node_values` counts them.
     ///
     /// # Errors
     /// [`Cancelled`] when the task was.
@@ -90,6 +114,8 @@ impl World {
             NodeFigure::Overlap => nodes::overlaps(tree),
             NodeFigure::EmptySpace => nodes::empty_spaces(tree),
             NodeFigure::Fill => nodes::fills(tree),
+            NodeFigure::Visits => vec![f32::NAN; tree.node_count()],
+            NodeFigure::Unique => (0..tree.node_count() as u32).map(unique).collect(),
         })
     }
 }
@@ -110,7 +136,8 @@ mod tests {
         for figure in NodeFigure::ALL {
             let values = world.node_values(figure, &Task::new()).expect("nobody cancels");
             assert_eq!(values.len(), world.tree.node_count(), "{figure:?}");
-            assert!(values.iter().any(|v| *v > 0.0), "{figure:?} tells nothing");
+            let tells = figure != NodeFigure::Visits;
+            assert_eq!(values.iter().any(|v| *v > 0.0), tells, "{figure:?}");
             assert!(values.iter().all(|v| v.is_nan() || *v >= 0.0), "{figure:?}");
             assert!(names.insert(figure.name()) && names.insert(figure.description()));
         }

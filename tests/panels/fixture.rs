@@ -6,30 +6,49 @@ use std::time::Duration;
 
 use bvhscope::accel::{BuildConfig, Builder, Width};
 use bvhscope::app::commands::{Command, Commands, SaveTarget};
+use bvhscope::app::inspection::{FoundRays, Inspection, RayOrigin, RaysAsked, RaysKey, Recorded};
+use bvhscope::app::jobs::census::VisitsKey;
+use bvhscope::app::jobs::region::RegionFigures;
+use bvhscope::app::jobs::{SceneKey, TreeKey};
 use bvhscope::app::panels::{PanelKind, Panels};
+use bvhscope::app::player::Player;
+use bvhscope::app::selection::{Hidden, Selections};
+use bvhscope::app::splitting::{FoundSplits, Splitting};
 use bvhscope::app::theme::{self, Palette};
 use bvhscope::app::view::{
-    AppView, BinCurve, CompareViews, HistoryEntry, Hover, JobStatus, Marked, RenderStatus, ShadowState,
-    SweepState, TableState,
+    AbState, AppView, BinCurve, CompareStyle, CompareViews, HistoryEntry, Hover, JobStatus, Marked,
+    RenderStatus, ShadowState, SweepState, TableState, TreeView,
 };
 use bvhscope::export::points::Question;
 use bvhscope::inspect::best::{Objective, Search};
 use bvhscope::inspect::bin_sweep::measure_bins;
+use bvhscope::inspect::census::{Census, Visits};
+use bvhscope::inspect::compare::Comparison;
+use bvhscope::inspect::construction::Construction;
+use bvhscope::inspect::difference::DifferenceSummary;
 use bvhscope::inspect::histogram::Histogram;
+use bvhscope::inspect::overlaps::{OverlappingPair, worst_pairs};
+use bvhscope::inspect::paired_cost::PairedRayCost;
 use bvhscope::inspect::prediction::Forecast;
+use bvhscope::inspect::ray_tree::{PixelQuestion, RaySource, pixel_rays};
+use bvhscope::inspect::region::Region;
 use bvhscope::inspect::shadow_difference::{ClassCounts, shadow_nodes_mean};
-use bvhscope::inspect::stats::Measurement;
+use bvhscope::inspect::split_curve::SplitCurve;
+use bvhscope::inspect::stats::{Measurement, tree_stats};
 use bvhscope::inspect::sweep::{SweepGrid, Sweeper};
 use bvhscope::inspect::table::five_trees;
+use bvhscope::render::difference::Difference;
 use bvhscope::render::display::effective_range;
 use bvhscope::render::integrate::render;
 use bvhscope::render::measure::{RayFigures, count_rays};
 use bvhscope::render::overlay::{draw_boxes, first_hit_distances};
 use bvhscope::render::ray_costs::ray_costs;
+use bvhscope::render::visits::node_visits;
 use bvhscope::render::{CountKind, Film, Overlay, OverlaySettings, RenderSettings, View};
-use bvhscope::scene::{Scene, SceneRef, builtin};
+use bvhscope::scene::{Camera, Scene, SceneRef, builtin};
 use bvhscope::session::Session;
 use bvhscope::task::Task;
+use bvhscope::world::NodeFigure;
 use bvhscope::world::World;
 use egui_kittest::Harness;
 
@@ -48,6 +67,48 @@ pub struct Measured {
     table: TableState,
     sweep: SweepState,
     shadow: ShadowState,
+    census: Arc<Census>,
+    visits: (VisitsKey, Visits),
+    overlaps: Vec<OverlappingPair>,
+    rays_of_pixel: (RayOrigin, FoundRays, Recorded),
+    region: RegionFigures,
+    /// Of two states.
+    ab: AbState,
+}
+
+/// The tree of the panels.
+pub fn tree_key(world: &World) -> TreeKey {
+    let scene = SceneKey::of(1, &world.scene, &Session::default());
+    TreeKey { scene, config: world.report.config, file: None }
+}
+
+/// What the window finds out in the background of every node.
+fn census(world: &World, task: &Task) -> Arc<Census> {
+    let census = Census::of(world, task).expect("nobody cancels");
+    for figure in NodeFigure::ALL {
+        census.values(world, figure, task).expect("nobody cancels");
+    }
+    census.find_sah_below(world, task).expect("nobody cancels");
+    Arc::new(census)
+}
+
+/// The rays of a pixel that sees glass.
+fn rays_of_pixel(world: &World, task: &Task) -> (RayOrigin, FoundRays, Recorded) {
+    let session = Session::default();
+    let (camera, pixel) = (world.scene.camera, [70, 38]);
+    let shadow_rule = session.shadow_rule;
+    let question = PixelQuestion {
+        camera,
+        settings: SETTINGS,
+        shadow_rule,
+        source: RaySource::Whitted,
+        sample: 0,
+        pixel,
+    };
+    let key = RaysKey { tree: tree_key(world), asked: RaysAsked::Pixel(question) };
+    let rays = pixel_rays(world, &question, task).expect("nobody cancels");
+    let recorded = Recorded::new(world, key, 0, &rays[0], Default::default(), shadow_rule);
+    (RayOrigin::Pixel { camera, pixel }, FoundRays::new(key, rays), recorded)
 }
 
 const SETTINGS: RenderSettings =
@@ -97,7 +158,7 @@ fn measure() -> Measured {
     let histogram = Histogram::of(&numbers, 128, None).expect("some pixels hit");
     let depth = first_hit_distances(&world, &camera, 96, 54, &task).expect("nobody cancels");
     let boxes = OverlaySettings { depths: Some([0, 6]), budget: 40, ..OverlaySettings::default() };
-    let overlay = draw_boxes(&world, &camera, &boxes, &depth, 96, 54, &task).expect("nobody cancels");
+    let overlay = draw_boxes(&world, &camera, &boxes, &[], &depth, [96, 54], &task).expect("nobody cancels");
     let forecast = |world: &Arc<World>| Forecast {
         sah_cost: world.figures.sah_cost.map(|cost| cost.total()),
         epo: world.epo(&task).expect("nobody cancels").map(|epo| epo.total),
@@ -120,7 +181,27 @@ fn measure() -> Measured {
     let nodes_mean = shadow_nodes_mean(&world, &camera, &settings, rule, 1, &task).expect("nobody cancels");
     let shadow = ShadowState { counts: ClassCounts::of(&classes), nodes_mean, running: false };
     let rays = count(&world);
+    let census = census(&world, &task);
+    let key = VisitsKey { tree: tree_key(&world), camera, width: 96, height: 54, count: CountKind::Camera };
+    let visits = node_visits(&world, &camera, &settings, CountKind::Camera, &task).expect("nobody cancels");
+    let visits = (key, Visits::new(&census, &visits));
+    let measure = TreeView::default().measure;
+    let overlaps = worst_pairs(&world.tree, measure, 100, &task).expect("nobody cancels");
+    let rays_of_pixel = rays_of_pixel(&world, &task);
+    let part = Region::between([20, 10], [70, 40], [96, 54]).expect("large enough");
+    let region = RegionFigures {
+        version: 1,
+        region: Some(part),
+        histogram: part.histogram(&film, 48),
+        largest: part.largest(&film, 8, 4),
+    };
+    let ab = compared([&worlds[0], &world], &camera, &settings, &task);
     Measured {
+        census,
+        visits,
+        overlaps,
+        rays_of_pixel,
+        region,
         scene,
         world,
         rays,
@@ -133,6 +214,27 @@ fn measure() -> Measured {
         table,
         sweep,
         shadow,
+        ab,
+    }
+}
+
+/// Two trees against each other, and two films of them.
+fn compared(worlds: [&Arc<World>; 2], camera: &Camera, settings: &RenderSettings, task: &Task) -> AbState {
+    let stats = |name: &str, world: &World| {
+        tree_stats(name, world, camera, settings, CountKind::Camera, false, task).expect("nobody cancels")
+    };
+    let mut comparison = Comparison::of(stats("A", worlds[0]), stats("B", worlds[1]));
+    comparison.ray_cost =
+        PairedRayCost::measure([worlds[0], worlds[1]], [camera; 2], settings, task).expect("nobody cancels");
+    let subject = Session { view: View::NodesVisited, ..Session::default() }.film_subject();
+    let film = |world: &World| render(subject, world, camera, settings, 1, task).expect("nobody cancels");
+    let difference = Difference::of(&film(worlds[0]), &film(worlds[1])).expect("two heatmaps");
+    AbState {
+        ready: [true; 2],
+        figures: Some(Arc::new(comparison)),
+        difference: DifferenceSummary::of(&difference, View::NodesVisited),
+        can_time: true,
+        ..AbState::default()
     }
 }
 
@@ -161,6 +263,22 @@ fn swept(scene: &Arc<Scene>, settings: &RenderSettings, task: &Task) -> SweepSta
     }
 }
 
+fn player(world: &Arc<World>) -> Player {
+    let construction = Construction::of(world, &Task::new()).expect("nobody cancels");
+    let mut player = Player::default();
+    player.construction = Some((tree_key(world), Arc::new(construction)));
+    player
+}
+
+fn inspection(m: &Measured) -> Inspection {
+    let (origin, found, recorded) = m.rays_of_pixel.clone();
+    let mut inspection = Inspection::default();
+    inspection.view.origin = Some(origin);
+    inspection.found = Some(found);
+    inspection.recorded = Some(recorded);
+    inspection
+}
+
 fn measured() -> &'static Measured {
     static MEASURED: OnceLock<Measured> = OnceLock::new();
     MEASURED.get_or_init(measure)
@@ -177,12 +295,20 @@ pub struct Program {
     pub world: Option<Arc<World>>,
     pub building: Option<JobStatus>,
     pub exporting: Option<JobStatus>,
+    pub plot: Option<bvhscope::inspect::plot::Plot>,
     pub animating: bool,
     pub compare: Option<CompareViews>,
+    pub ab: AbState,
     pub range_locked: bool,
     pub table: TableState,
     pub sweep: SweepState,
     pub marked: Option<Marked>,
+    pub selections: Selections,
+    pub hidden: Hidden,
+    pub tree_view: TreeView,
+    pub inspection: Inspection,
+    pub splitting: Splitting,
+    pub player: Player,
     warnings: Vec<String>,
     recent: Vec<SceneRef>,
     /// All commands that were not edits, in order, in words.
@@ -205,12 +331,22 @@ impl Program {
         session.overlay.depths = Some([0, 6]);
         session.overlay.budget = 40;
         session.display.threshold = Some(m.histogram.p95);
+        let compares = kind == PanelKind::Compare;
+        if compares {
+            session.build_mut().bins = 4;
+            session.keep();
+            *session.build_mut() = config();
+        }
         Self {
             session,
+            compare: compares.then(|| CompareViews::of_states(0, 1, CompareStyle::Difference)),
+            ab: if compares { m.ab.clone() } else { AbState::default() },
             loaded: true,
             world: Some(Arc::clone(&m.world)),
             table: m.table.clone(),
             sweep: m.sweep.clone(),
+            inspection: inspection(m),
+            player: player(&m.world),
             warnings: vec!["12 faces with fewer than three corners were left out".to_owned()],
             recent: vec![
                 SceneRef::File("/home/someone/models/a long folder name/sponza.obj".into()),
@@ -231,12 +367,20 @@ impl Program {
             world: None,
             building: None,
             exporting: None,
+            plot: None,
             animating: false,
             compare: None,
+            ab: AbState::default(),
             range_locked: false,
             table: TableState::default(),
             sweep: SweepState::default(),
             marked: None,
+            selections: Selections::default(),
+            hidden: Hidden::default(),
+            tree_view: TreeView::default(),
+            inspection: Inspection::default(),
+            splitting: Splitting::default(),
+            player: Player::default(),
             warnings: Vec::new(),
             recent: Vec::new(),
             asked: Vec::new(),
@@ -281,6 +425,7 @@ impl Program {
             loading: None,
             building: self.building.clone(),
             exporting: self.exporting.clone(),
+            plot: self.plot.as_ref(),
             history: m.map_or(&[], |m| &m.history),
             film: m.map(|m| &m.film),
             histogram: m.map(|m| &m.histogram),
@@ -294,6 +439,18 @@ impl Program {
                 distance: Some(2.5),
             }),
             marked: self.marked.as_ref(),
+            selections: &self.selections,
+            hidden: &self.hidden,
+            region: m.map(|m| &m.region),
+            census: m.map(|m| &m.census),
+            visits: m.map(|m| (&m.visits.0, &m.visits.1)),
+            overlaps: m.map(|m| &m.overlaps[..]),
+            tree_view: &self.tree_view,
+            inspection: &self.inspection,
+            splitting: &self.splitting,
+            player: &self.player,
+            tree: self.world.as_ref().map(|world| tree_key(world)),
+            camera: m.map(|m| m.scene.camera),
             overlay: m.map(|m| &m.overlay),
             rays: m.map(|m| &m.rays),
             forecast: m.and_then(|m| m.forecasts.last()),
@@ -303,11 +460,12 @@ impl Program {
             sweep: &self.sweep,
             shadow: m.map_or(&NO_SHADOW, |m| &m.shadow),
             compare: self.compare,
+            ab: &self.ab,
             render: RenderStatus { samples: 12, size: [960, 540], ..RenderStatus::default() },
         }
     }
 
-    fn apply(&mut self, command: Command) {
+    pub fn apply(&mut self, command: Command) {
         let text = match command {
             Command::Edit(change) => {
                 change(&mut self.session);
@@ -322,6 +480,11 @@ impl Program {
                 self.compare = views;
                 "compare".to_owned()
             }
+            Command::ActivateVariant(index) => {
+                self.session = self.session.activated(index);
+                format!("use state {index}")
+            }
+            Command::TimeComparison => "time comparison".to_owned(),
             Command::SetAnimating(on) => {
                 self.animating = on;
                 format!("animate {on}")
@@ -334,6 +497,53 @@ impl Program {
                 self.marked = mark.and_then(|mark| Marked::of(mark, self.world.as_ref()?));
                 format!("mark {mark:?}")
             }
+            Command::Select { pick, add } => {
+                if let Some(world) = &self.world {
+                    self.selections.pick(world, world, tree_key(world), pick, add);
+                }
+                self.weigh_splits();
+                format!("select {pick:?}")
+            }
+            Command::SetPlayerView(view) => {
+                self.player.view = view;
+                if let Some(world) = &self.world {
+                    self.player.show(tree_key(world), &world.tree);
+                }
+                "player view".to_owned()
+            }
+            Command::SetSplitView(view) => {
+                self.splitting.set(view);
+                "split view".to_owned()
+            }
+            Command::Hide(what) => format!("hide {what:?}"),
+            Command::SetRegion(region) => format!("region {region:?}"),
+            Command::GoToPixel(pixel) => format!("go to {pixel:?}"),
+            Command::GoSelection(way) => {
+                self.selections.go(way, Some(&measured().census.family));
+                format!("go {way:?}")
+            }
+            Command::ClearSelection => {
+                self.selections.clear();
+                "deselect".to_owned()
+            }
+            Command::FrameSelection => "frame selection".to_owned(),
+            Command::SetTreeView(view) => {
+                self.tree_view = view;
+                "tree view".to_owned()
+            }
+            Command::SetRayView(view) => {
+                self.inspection.view = view;
+                self.record_ray();
+                "ray view".to_owned()
+            }
+            Command::StepRay { forward } => {
+                if let Some(found) = &self.inspection.found {
+                    self.inspection.view.chosen = found.neighbour(self.inspection.view.chosen, forward);
+                }
+                self.record_ray();
+                format!("next ray {forward}")
+            }
+            Command::LookAtRay => "look at the ray".to_owned(),
             Command::FrameMarked => "frame marked".to_owned(),
             Command::BuildOwnTree => {
                 self.session.set_tree(None);
@@ -358,10 +568,32 @@ impl Program {
             }
             Command::SetSweepPaused(paused) => format!("pause sweep {paused}"),
             Command::ClearSweep => "clear sweep".to_owned(),
+            Command::Ask(asked) => format!("{asked:?}"),
             Command::ShadowPreset => "shadow preset".to_owned(),
             _ => "another".to_owned(),
         };
         self.asked.push(text);
+    }
+
+    /// As the window does it in the background.
+    pub fn weigh_splits(&mut self) {
+        let (Some(world), Some(selection)) = (&self.world, self.selections.current()) else { return };
+        let node = selection.node();
+        let curve = SplitCurve::of(world, &measured().census.family, node, &Task::new());
+        let curve = Arc::new(curve.expect("nobody cancels"));
+        let bins = [world.report.config.bins, self.splitting.view.bins];
+        let planes = bins.map(|bins| curve.binned(bins));
+        self.splitting.found = Some(FoundSplits { tree: tree_key(world), curve, planes });
+    }
+
+    /// As the window does it between two frames.
+    fn record_ray(&mut self) {
+        let (Some(world), Some(found)) = (&self.world, &self.inspection.found) else { return };
+        let view = self.inspection.view;
+        let ray = &found.rays[view.chosen];
+        let rule = self.session.shadow_rule;
+        self.inspection.recorded =
+            Some(Recorded::new(world, found.key, view.chosen, ray, view.asked_as, rule));
     }
 
     pub fn path_chosen(&mut self, target: SaveTarget, path: PathBuf) {

@@ -86,7 +86,7 @@ fn a_build_of_the_history_comes_back_with_its_figures() {
     assert!(figure(&window, "SAH cost").starts_with(first.as_deref().expect("a figure")));
 }
 
-fn keep(window: &mut Window, name: &str) {
+pub fn keep(window: &mut Window, name: &str) {
     if let Some(picture) = super::rendered(|| window.render()) {
         super::keep(&picture, name);
     }
@@ -123,7 +123,7 @@ fn a_counter_chosen_in_the_heatmap_is_counted_and_shown() {
 
 #[test]
 fn a_sweep_is_measured_and_a_point_of_it_loaded() {
-    let mut window = window("soup:300", SIZE);
+    let mut window = window("soup:300", HIGH);
     window.state_mut().layout_mut().show(PanelKind::Sweep, true);
     settle(&mut window);
     window.get_by_label("Start").click();

@@ -8,6 +8,7 @@ mod leaves;
 mod median;
 mod midpoint;
 mod morton;
+mod onlooker;
 mod order;
 #[cfg(feature = "peers")]
 mod peers;
@@ -36,6 +37,7 @@ use super::widen::widen;
 use order::RefSlice;
 
 pub use binned::bin_index;
+pub use onlooker::{Onlooker, Round, RoundKind};
 
 /// A stage of a build, with its wall time.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -156,6 +158,22 @@ pub fn build_over<B: Shapes + ?Sized>(
     config: &BuildConfig,
     task: &Task,
 ) -> Result<(Tree, BuildReport), Cancelled> {
+    build_watched(shapes, config, Onlooker::nobody(), task)
+}
+
+/// As [`build_over`], with somebody who looks at what stands after each round of what is made in rounds.
+///
+/// # Errors
+/// [`Cancelled`] when the task was.
+///
+/// # Panics
+/// As [`build`].
+pub fn build_watched<B: Shapes + ?Sized>(
+    shapes: &B,
+    config: &BuildConfig,
+    mut onlooker: Onlooker<'_>,
+    task: &Task,
+) -> Result<(Tree, BuildReport), Cancelled> {
     config.check().expect("a build configuration is checked where it is given");
     let asked = config;
     let config = &BuildConfig { leaf: config.leaf_limit(), ..*config };
@@ -181,7 +199,7 @@ pub fn build_over<B: Shapes + ?Sized>(
             clock.finish("prepare");
             let bvh = match config.builder {
                 Builder::Lbvh => lbvh::build(&refs, config, task)?,
-                _ => ploc::build(&refs, config, task)?,
+                _ => ploc::build(&refs, config, &mut onlooker, task)?,
             };
             let bvh = leaves::stopped(bvh, &binary_config);
             clock.finish("split");
@@ -215,7 +233,7 @@ pub fn build_over<B: Shapes + ?Sized>(
     };
     // Whatever was cut short by a cancel is no tree.
     task.check()?;
-    let mut steps = Steps { config, task, clock: &mut clock, rounds: Vec::new() };
+    let mut steps = Steps { config, task, clock: &mut clock, onlooker: &mut onlooker, rounds: Vec::new() };
     let tree = match config.width {
         Width::W2 => Tree::W2(steps.finish(input)?),
         Width::W4 => Tree::W4(steps.finish(input)?),
@@ -244,22 +262,23 @@ enum Input {
 }
 
 /// The last steps of a build.
-struct Steps<'a> {
+struct Steps<'a, 'o> {
     config: &'a BuildConfig,
     task: &'a Task,
     clock: &'a mut PhaseClock,
+    onlooker: &'a mut Onlooker<'o>,
     /// [`BuildReport::rounds`].
     rounds: Vec<Option<f64>>,
 }
 
-impl Steps<'_> {
+impl Steps<'_, '_> {
     /// The tree itself.
     fn finish<const N: usize>(&mut self, input: Input) -> Result<WideBvh<N>, Cancelled> {
         let Self { config, task, .. } = *self;
         let mut tree = match input {
             Input::Binary(mut bvh) => {
                 if config.improver != Improver::None {
-                    self.rounds = improve(&mut bvh, config, task)?;
+                    self.rounds = improve(&mut bvh, config, self.onlooker, task)?;
                     self.clock.finish("improve");
                 }
                 let tree = widen(&bvh, config, task)?;

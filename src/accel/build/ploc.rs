@@ -14,6 +14,7 @@ use crate::at_level;
 use crate::task::{Cancelled, Task};
 
 use super::morton::sorted;
+use super::onlooker::Onlooker;
 use super::order::BuildRef;
 
 /// Clusters whose neighbours are one piece of work.
@@ -24,7 +25,12 @@ const LANES: usize = 8;
 ///
 /// # Errors
 /// [`Cancelled`] when the task was.
-pub fn build(refs: &[BuildRef], config: &BuildConfig, task: &Task) -> Result<Bvh2, Cancelled> {
+pub fn build(
+    refs: &[BuildRef],
+    config: &BuildConfig,
+    onlooker: &mut Onlooker,
+    task: &Task,
+) -> Result<Bvh2, Cancelled> {
     if refs.is_empty() {
         return Ok(Bvh2::default());
     }
@@ -35,6 +41,7 @@ pub fn build(refs: &[BuildRef], config: &BuildConfig, task: &Task) -> Result<Bvh
     // Pairs are written from the end on, so that the root comes out first.
     let mut free = nodes.len();
     let mut partners = Vec::new();
+    onlooker.merged(&clusters);
     while clusters.len() > 1 {
         find_partners(&clusters, config, task, &mut partners)?;
         let before = clusters.len();
@@ -45,6 +52,7 @@ pub fn build(refs: &[BuildRef], config: &BuildConfig, task: &Task) -> Result<Bvh
             partners.extend((0..before as u32).map(|i| if (i ^ 1) < before as u32 { i ^ 1 } else { i }));
             merge(&mut clusters, &partners, &mut nodes, &mut free);
         }
+        onlooker.merged(&clusters);
         task.advance((before - clusters.len()) as u64);
     }
     task.advance(1);
@@ -240,7 +248,7 @@ mod tests {
             (0..4096).map(|i| BuildRef::new(&Aabb::new(at(i), at(i) + Vec3::ONE), i as u32)).collect();
         for radius in [1, 14] {
             let config = BuildConfig { radius, ..BuildConfig::default() };
-            let bvh = build(&refs, &config, &Task::new()).expect("not cancelled");
+            let bvh = build(&refs, &config, &mut Onlooker::nobody(), &Task::new()).expect("not cancelled");
             assert_eq!(bvh.depth_max(), 12, "a balanced tree");
         }
     }
@@ -254,7 +262,8 @@ mod tests {
                 BuildRef::new(&Aabb::new(-size, size), i as u32)
             })
             .collect();
-        let bvh = build(&refs, &BuildConfig::default(), &Task::new()).expect("not cancelled");
+        let bvh = build(&refs, &BuildConfig::default(), &mut Onlooker::nobody(), &Task::new())
+            .expect("not cancelled");
         assert!(bvh.depth_max() <= BuildConfig::MAX_DEPTH, "{}", bvh.depth_max());
         assert_eq!((bvh.nodes.len(), bvh.refs.len()), (399, 200));
     }

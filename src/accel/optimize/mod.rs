@@ -5,6 +5,7 @@ mod rotations;
 
 use crate::task::{Cancelled, Task};
 
+use super::build::Onlooker;
 use super::bvh2::{Bvh2, Bvh2Node};
 use super::config::{BuildConfig, Improver};
 use super::quality::binary_sah_cost;
@@ -17,7 +18,12 @@ const WORTHWHILE: f64 = 1e-7;
 ///
 /// # Errors
 /// [`Cancelled`] when the task was.
-pub fn improve(bvh: &mut Bvh2, config: &BuildConfig, task: &Task) -> Result<Vec<Option<f64>>, Cancelled> {
+pub fn improve(
+    bvh: &mut Bvh2,
+    config: &BuildConfig,
+    onlooker: &mut Onlooker,
+    task: &Task,
+) -> Result<Vec<Option<f64>>, Cancelled> {
     let cost = |bvh: &Bvh2| binary_sah_cost(bvh, config.traversal_cost, config.intersection_cost);
     let round = match config.improver {
         Improver::None => return Ok(Vec::new()),
@@ -25,6 +31,7 @@ pub fn improve(bvh: &mut Bvh2, config: &BuildConfig, task: &Task) -> Result<Vec<
         Improver::Rotations => rotations::round,
     };
     let mut costs = vec![cost(bvh)];
+    onlooker.improved(bvh);
     // A root and its two children leave nothing to choose.
     let rounds = if bvh.nodes.len() < 5 { 0 } else { config.rounds };
     for _ in 0..rounds {
@@ -38,6 +45,7 @@ pub fn improve(bvh: &mut Bvh2, config: &BuildConfig, task: &Task) -> Result<Vec<
         }
         *bvh = better.in_depth_first_order();
         costs.push(cost(bvh));
+        onlooker.improved(bvh);
     }
     Ok(costs)
 }

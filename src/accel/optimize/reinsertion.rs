@@ -235,6 +235,7 @@ mod tests {
 
     use super::super::{improve, sum_of_areas};
     use super::*;
+    use crate::accel::build::Onlooker;
     use crate::accel::bvh2::Bvh2;
     use crate::accel::{Builder, Improver, Tree, Width, build};
 
@@ -258,7 +259,10 @@ mod tests {
     fn what_belongs_together_is_brought_together() {
         let mut bvh = mixed();
         let before = sum_of_areas(&bvh.nodes);
-        let rounds = improve(&mut bvh, &config(10), &Task::new()).expect("not cancelled").len() - 1;
+        let rounds = improve(&mut bvh, &config(10), &mut Onlooker::nobody(), &Task::new())
+            .expect("not cancelled")
+            .len()
+            - 1;
         let pair = Aabb::new(Vec3::ZERO, Vec3::new(3.0, 1.0, 1.0)).half_area();
         let root = bvh.nodes[0].bounds.half_area();
         let after = sum_of_areas(&bvh.nodes);
@@ -307,6 +311,6 @@ mod tests {
         let task = Task::new();
         task.cancel();
         let mut bvh = mixed();
-        assert_eq!(improve(&mut bvh, &config(3), &task), Err(Cancelled));
+        assert_eq!(improve(&mut bvh, &config(3), &mut Onlooker::nobody(), &task), Err(Cancelled));
     }
 }

@@ -92,6 +92,7 @@ mod tests {
 
     use super::super::{improve, sum_of_areas};
     use super::*;
+    use crate::accel::build::Onlooker;
     use crate::accel::bvh2::Bvh2;
     use crate::accel::{Builder, Improver, Tree, Width, build};
     use crate::geometry::Aabb;
@@ -154,7 +155,7 @@ mod tests {
         let mut bvh = built(800);
         let mut shapes = bvh.refs.clone();
         let config = BuildConfig { improver: Improver::Rotations, rounds: 1000, ..BuildConfig::default() };
-        let costs = improve(&mut bvh, &config, &Task::new()).expect("not cancelled");
+        let costs = improve(&mut bvh, &config, &mut Onlooker::nobody(), &Task::new()).expect("not cancelled");
         let costs: Vec<f64> = costs.into_iter().flatten().collect();
         assert!(costs.windows(2).all(|pair| pair[1] < pair[0]), "{costs:?}");
         assert!((3..1000).contains(&costs.len()), "it ends by itself: {}", costs.len());
@@ -170,6 +171,6 @@ mod tests {
         let task = Task::new();
         task.cancel();
         let config = BuildConfig { improver: Improver::Rotations, ..BuildConfig::default() };
-        assert_eq!(improve(&mut built(9), &config, &task), Err(Cancelled));
+        assert_eq!(improve(&mut built(9), &config, &mut Onlooker::nobody(), &task), Err(Cancelled));
     }
 }

@@ -1,7 +1,7 @@
 //! What the boxes alone tell of a tree.
 
 pub mod nodes;
-mod siblings;
+pub mod siblings;
 
 use crate::each_width;
 use crate::geometry::Aabb;

@@ -70,7 +70,7 @@ macro_rules! instructions {
 instructions!(fearless_simd::Sse4_2, "fxsr,sse4.2,cmpxchg16b,popcnt");
 #[cfg(target_arch = "x86_64")]
 instructions!(fearless_simd::Avx2, "avx2,bmi1,bmi2,cmpxchg16b,f16c,fma,fxsr,lzcnt,movbe,popcnt,xsave");
-#[cfg(target_arch = "x86_64")]
+#[cfg(has_avx512)]
 instructions!(
     fearless_simd::Avx512,
     "adx,aes,avx512bitalg,avx512bw,avx512cd,avx512dq,avx512f,avx512ifma,avx512vbmi,avx512vbmi2,avx512vl,avx512vnni,avx512vpopcntdq,bmi1,bmi2,cmpxchg16b,fma,fxsr,gfni,lzcnt,movbe,pclmulqdq,popcnt,rdrand,rdseed,sha,vaes,vpclmulqdq,xsave,xsavec,xsaveopt,xsaves"

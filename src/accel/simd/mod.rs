@@ -25,7 +25,7 @@ pub enum SimdLevel {
     Sse42,
     /// With FMA (which is not used), BMI and POPCNT.
     Avx2,
-    /// That of Ice Lake and later.
+    /// That of Ice Lake and later. Left out of development builds on machines without it (`build.rs`).
     Avx512,
     Neon,
 }
@@ -70,7 +70,7 @@ pub enum SimdToken {
     Sse42(fearless_simd::Sse4_2),
     #[cfg(target_arch = "x86_64")]
     Avx2(fearless_simd::Avx2),
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(has_avx512)]
     Avx512(fearless_simd::Avx512),
     #[cfg(target_arch = "aarch64")]
     Neon(fearless_simd::Neon),
@@ -91,12 +91,14 @@ impl SimdToken {
             SimdLevel::Sse42 => found.as_sse4_2().map(Self::Sse42),
             #[cfg(target_arch = "x86_64")]
             SimdLevel::Avx2 => found.as_avx2().map(Self::Avx2),
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(has_avx512)]
             SimdLevel::Avx512 => found.as_avx512().map(Self::Avx512),
+            #[cfg(not(has_avx512))]
+            SimdLevel::Avx512 => None,
             #[cfg(target_arch = "aarch64")]
             SimdLevel::Neon => found.as_neon().map(Self::Neon),
             #[cfg(not(target_arch = "x86_64"))]
-            SimdLevel::Sse42 | SimdLevel::Avx2 | SimdLevel::Avx512 => None,
+            SimdLevel::Sse42 | SimdLevel::Avx2 => None,
             #[cfg(not(target_arch = "aarch64"))]
             SimdLevel::Neon => None,
         }
@@ -115,7 +117,7 @@ impl SimdToken {
             Self::Sse42(_) => SimdLevel::Sse42,
             #[cfg(target_arch = "x86_64")]
             Self::Avx2(_) => SimdLevel::Avx2,
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(has_avx512)]
             Self::Avx512(_) => SimdLevel::Avx512,
             #[cfg(target_arch = "aarch64")]
             Self::Neon(_) => SimdLevel::Neon,
@@ -147,7 +149,7 @@ macro_rules! at_level {
                 #[inline(always)]
                 || $body,
             ),
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(has_avx512)]
             $crate::accel::simd::SimdToken::Avx512($token) => fearless_simd::Simd::vectorize(
                 $token,
                 #[inline(always)]

@@ -100,8 +100,53 @@ pub struct Entered<const N: usize> {
     pub entries: [f32; N],
 }
 
+/// What stands in the slots of a node.
+pub trait Slots {
+    /// What stands in a slot that is filled.
+    fn child(&self, slot: usize) -> ChildRef;
+
+    fn child_count(&self) -> usize;
+
+    /// The sides of a child's box, minima first.
+    fn child_sides(&self, slot: usize) -> [f32; 6];
+}
+
+impl<const N: usize> Slots for WideNode<N> {
+    #[inline(always)]
+    fn child(&self, slot: usize) -> ChildRef {
+        self.children[slot]
+    }
+
+    #[inline(always)]
+    fn child_count(&self) -> usize {
+        WideNode::child_count(self)
+    }
+
+    #[inline(always)]
+    fn child_sides(&self, slot: usize) -> [f32; 6] {
+        self.slot_sides(slot)
+    }
+}
+
+impl Slots for CompressedNode {
+    #[inline(always)]
+    fn child(&self, slot: usize) -> ChildRef {
+        CompressedNode::child(self, slot)
+    }
+
+    #[inline(always)]
+    fn child_count(&self) -> usize {
+        CompressedNode::child_count(self)
+    }
+
+    #[inline(always)]
+    fn child_sides(&self, slot: usize) -> [f32; 6] {
+        CompressedNode::child_sides(self, slot)
+    }
+}
+
 /// A node whose children's boxes are tested together.
-pub trait BoxLanes<S: Simd, const N: usize> {
+pub trait BoxLanes<S: Simd, const N: usize>: Slots {
     /// What the test needs of a ray, prepared once for a tree.
     type Ray: Copy;
 
@@ -111,14 +156,6 @@ pub trait BoxLanes<S: Simd, const N: usize> {
 
     /// The slots whose boxes any ray of a packet may enter before `t_max`.
     fn may_enter(&self, simd: S, packet: &Interval, t_max: f32) -> (u32, [f32; N]);
-
-    /// What stands in a slot that is filled.
-    fn child(&self, slot: usize) -> ChildRef;
-
-    fn child_count(&self) -> usize;
-
-    /// The sides of a child's box, minima first.
-    fn child_sides(&self, slot: usize) -> [f32; 6];
 }
 
 /// The sides of all boxes of a node, row by row.
@@ -215,21 +252,6 @@ impl<S: Simd> BoxLanes<S, 16> for WideNode<16> {
     fn may_enter(&self, simd: S, packet: &Interval, t_max: f32) -> (u32, [f32; 16]) {
         packet.enter::<S, f32x16<S>, 16>(simd, &self.sides, t_max)
     }
-
-    #[inline(always)]
-    fn child(&self, slot: usize) -> ChildRef {
-        self.children[slot]
-    }
-
-    #[inline(always)]
-    fn child_count(&self) -> usize {
-        WideNode::child_count(self)
-    }
-
-    #[inline(always)]
-    fn child_sides(&self, slot: usize) -> [f32; 6] {
-        self.slot_sides(slot)
-    }
 }
 
 impl<S: Simd> BoxLanes<S, 8> for WideNode<8> {
@@ -248,21 +270,6 @@ impl<S: Simd> BoxLanes<S, 8> for WideNode<8> {
     #[inline(always)]
     fn may_enter(&self, simd: S, packet: &Interval, t_max: f32) -> (u32, [f32; 8]) {
         packet.enter::<S, f32x8<S>, 8>(simd, &self.sides, t_max)
-    }
-
-    #[inline(always)]
-    fn child(&self, slot: usize) -> ChildRef {
-        self.children[slot]
-    }
-
-    #[inline(always)]
-    fn child_count(&self) -> usize {
-        WideNode::child_count(self)
-    }
-
-    #[inline(always)]
-    fn child_sides(&self, slot: usize) -> [f32; 6] {
-        self.slot_sides(slot)
     }
 }
 
@@ -285,21 +292,6 @@ impl<S: Simd> BoxLanes<S, 8> for CompressedNode {
         let (slots, nears) = packet.enter::<S, f32x8<S>, 8>(simd, self, t_max);
         (slots & self.filled(), nears)
     }
-
-    #[inline(always)]
-    fn child(&self, slot: usize) -> ChildRef {
-        CompressedNode::child(self, slot)
-    }
-
-    #[inline(always)]
-    fn child_count(&self) -> usize {
-        CompressedNode::child_count(self)
-    }
-
-    #[inline(always)]
-    fn child_sides(&self, slot: usize) -> [f32; 6] {
-        CompressedNode::child_sides(self, slot)
-    }
 }
 
 impl<S: Simd> BoxLanes<S, 4> for WideNode<4> {
@@ -318,21 +310,6 @@ impl<S: Simd> BoxLanes<S, 4> for WideNode<4> {
     #[inline(always)]
     fn may_enter(&self, simd: S, packet: &Interval, t_max: f32) -> (u32, [f32; 4]) {
         packet.enter::<S, f32x4<S>, 4>(simd, &self.sides, t_max)
-    }
-
-    #[inline(always)]
-    fn child(&self, slot: usize) -> ChildRef {
-        self.children[slot]
-    }
-
-    #[inline(always)]
-    fn child_count(&self) -> usize {
-        WideNode::child_count(self)
-    }
-
-    #[inline(always)]
-    fn child_sides(&self, slot: usize) -> [f32; 6] {
-        self.slot_sides(slot)
     }
 }
 
@@ -401,20 +378,5 @@ impl<S: Simd> BoxLanes<S, 2> for WideNode<2> {
     #[inline(always)]
     fn may_enter(&self, simd: S, packet: &Interval, t_max: f32) -> (u32, [f32; 2]) {
         packet.enter_pair(simd, &self.sides, t_max)
-    }
-
-    #[inline(always)]
-    fn child(&self, slot: usize) -> ChildRef {
-        self.children[slot]
-    }
-
-    #[inline(always)]
-    fn child_count(&self) -> usize {
-        WideNode::child_count(self)
-    }
-
-    #[inline(always)]
-    fn child_sides(&self, slot: usize) -> [f32; 6] {
-        self.slot_sides(slot)
     }
 }

@@ -18,7 +18,7 @@ use super::tree::{ChildRef, Tree, Walked};
 
 use boxes::{BoxLanes, Entered, TreeRay};
 
-pub use probe::{Probe, RayCounters};
+pub use probe::{Probe, RayCounters, Step, Watch};
 
 /// What lies in the leaves, in leaf order. Asked with a leaf's index.
 pub trait LeafIntersector {
@@ -156,6 +156,34 @@ pub fn occluded<L: LeafIntersector, P: Probe>(
     query.found
 }
 
+/// As [`intersect`], with somebody who is told of every step. By the instructions that every processor has, which make the
+/// same steps as all others.
+pub fn watch_nearest<'l, L: LeafIntersector>(
+    tree: &Tree,
+    leaves: &'l L,
+    ray: &Ray,
+    best: &mut L::Best<'l>,
+    watch: &mut Watch,
+) {
+    let (simd, mut full) = (Fallback::new(), Vec::new());
+    let mut query = Nearest::<L> { best };
+    each_width!(tree, t => walk(simd, t.walked(), leaves, ray, &mut query, watch, &mut full));
+}
+
+/// As [`occluded`], with somebody who is told of every step; see [`watch_nearest`].
+pub fn watch_any<L: LeafIntersector>(
+    tree: &Tree,
+    leaves: &L,
+    ray: &Ray,
+    blocks: &impl Fn(u32) -> bool,
+    watch: &mut Watch,
+) -> Option<u32> {
+    let (simd, mut full) = (Fallback::new(), Vec::new());
+    let mut query = Any { t_max: ray.last(), blocks, found: None };
+    each_width!(tree, t => walk(simd, t.walked(), leaves, ray, &mut query, watch, &mut full));
+    query.found
+}
+
 /// Whether a ray meets the root's box. One that does not visits nothing.
 #[inline]
 pub fn hits_root(tree: &Tree, ray: &Ray) -> bool {
@@ -281,8 +309,9 @@ fn walk_below<
             let node = &nodes[node_idx as usize];
             probe.inner_visited(node_idx, node.child_count() as u32);
             let Entered { slots, entries } = node.enter(simd, &lanes, t_max);
+            probe.boxes_tested(node_idx, t_max, slots, &entries);
             if slots == 0 {
-                next = popped(stack, &mut height, t_max);
+                next = popped(stack, &mut height, t_max, probe);
                 continue;
             }
             // Which child comes first is found by branches, not by minima: the processor guesses it, begins with the next
@@ -363,7 +392,7 @@ fn walk_below<
             return;
         }
         t_max = query.t_max();
-        next = popped(stack, &mut height, t_max);
+        next = popped(stack, &mut height, t_max, probe);
     }
 }
 
@@ -434,10 +463,11 @@ fn fetch<S: Instructions, T, L: LeafIntersector>(simd: S, nodes: &[T], leaves: &
 
 /// The nearest node that waits and begins before `t_max`.
 #[inline(always)]
-fn popped(stack: &[Waiting], height: &mut usize, t_max: f32) -> ChildRef {
+fn popped<P: Probe>(stack: &[Waiting], height: &mut usize, t_max: f32, probe: &mut P) -> ChildRef {
     loop {
         *height -= 1;
         let waiting = stack[*height];
+        probe.popped(waiting.child(), waiting.entry(), t_max);
         if waiting.entry() <= t_max {
             return waiting.child();
         }

@@ -7,7 +7,7 @@ use super::figures::{FiguresKey, count_camera_rays};
 use super::gate::OnLease;
 use super::keys::TreeKey;
 use super::newest::Patience;
-use super::{Job, PoolKind, Run};
+use super::{Context, Job, PoolKind, Run};
 use crate::render::measure::RayFigures;
 use crate::scene::{LoadError, Scene};
 use crate::session::{Session, prepare};
@@ -84,7 +84,7 @@ fn build(run: &Run<BuildRequest, BuildMessage>) -> Result<Option<String>, Cancel
         None => prepare::stage(&request.still, &request.session),
     };
     run.task.check()?;
-    let file = match tree_file(run, &scene) {
+    let file = match tree_file(run.context, &request.session, &scene, run.task) {
         Ok(file) => file,
         Err(LoadError::Cancelled) => return Err(Cancelled),
         Err(error) => return Ok(Some(error.to_string())),
@@ -97,18 +97,20 @@ fn build(run: &Run<BuildRequest, BuildMessage>) -> Result<Option<String>, Cancel
 }
 
 /// The tree of the session's file, if it has one: as it was read before, or from the file.
-fn tree_file(
-    run: &Run<BuildRequest, BuildMessage>,
+pub fn tree_file(
+    context: &Context,
+    session: &Session,
     scene: &Scene,
+    task: &Task,
 ) -> Result<Option<Arc<TreeFile>>, LoadError> {
-    let mut session = run.request.session.clone();
+    let mut session = session.clone();
     let Some(tree) = session.tree() else { return Ok(None) };
-    if let Some(known) = run.context.tree(tree) {
+    if let Some(known) = context.tree(tree) {
         return Ok(Some(known));
     }
-    let read = prepare::open_tree(&mut session, scene, run.task)?;
+    let read = prepare::open_tree(&mut session, scene, task)?;
     if let Some(tree) = &read {
-        run.context.keep_tree(tree);
+        context.keep_tree(tree);
     }
     Ok(read)
 }

@@ -9,21 +9,22 @@ use image::RgbaImage;
 use super::gate::OnLease;
 use super::newest::Patience;
 use super::{Job, PoolKind, Run};
-use crate::export::legend::Legend;
+use crate::export::animation::{FrameFormat, Frames, Stage, animate};
+use crate::export::picture::{self, Extras};
+use crate::export::plot::{self, Look};
 use crate::export::points::{self, Question};
+use crate::export::report::{Measured, Report};
 use crate::export::{atomic, exr, raw_csv, session_file, tree_file};
 use crate::inspect::columns::{COLUMNS, Column, TreeRecord};
 use crate::inspect::pareto::front;
+use crate::inspect::plot::Plot;
 use crate::inspect::stats::{TreeStats, tree_stats};
 use crate::inspect::sweep::SweepPoint;
-use crate::render::display::picture;
-use crate::render::integrate::render;
-use crate::render::overlay::{compose, draw_boxes, first_hit_distances};
 use crate::render::{Film, RenderSettings};
-use crate::scene::Camera;
+use crate::scene::{Camera, Scene};
 use crate::session::{Session, file};
 use crate::task::Task;
-use crate::world::World;
+use crate::world::{TreeFile, World};
 
 /// A file to write, with all that goes into it.
 #[derive(Clone)]
@@ -39,8 +40,15 @@ pub enum ExportContent {
     Picture {
         world: Arc<World>,
         camera: Camera,
-        overlay: bool,
-        legend: bool,
+        extras: Extras,
+    },
+    /// Rendered frame by frame, at the size and with the samples of the session.
+    Animation {
+        still: Arc<Scene>,
+        tree: Option<Arc<TreeFile>>,
+        camera: Camera,
+        extras: Extras,
+        frames: Frames,
     },
     /// The window as it was drawn.
     Window {
@@ -61,6 +69,15 @@ pub enum ExportContent {
     Tree {
         world: Arc<World>,
     },
+    Report {
+        world: Arc<World>,
+        camera: Camera,
+        measured: Arc<Measured>,
+    },
+    Plot {
+        plot: Arc<Plot>,
+        look: Look,
+    },
     Session,
 }
 
@@ -79,6 +96,12 @@ pub fn job() -> ExportJob {
 }
 
 impl ExportWork {
+    /// Parts of it that are finished stay where a cancel stops it.
+    pub fn comes_in_parts(&self) -> bool {
+        matches!(self.content, ExportContent::Animation { .. })
+            && FrameFormat::of(&self.path).is_ok_and(|format| format == FrameFormat::Sequence)
+    }
+
     /// For the screen.
     pub fn what(&self) -> String {
         format!("writing {}", self.path.file_name().unwrap_or_default().to_string_lossy())
@@ -92,10 +115,14 @@ fn write(run: &Run<ExportWork, ExportDone>) -> Result<(), String> {
     atomic::check_writable(path).map_err(say)?;
     let _pass = run.context.gate.enter(run.task, OnLease::Finish).map_err(|c| c.to_string())?;
     match content {
-        ExportContent::Picture { world, camera, overlay, legend } => {
-            let shown = Shown { world, camera, overlay: *overlay, legend: *legend };
-            let picture = render_picture(session, &shown, run.task).map_err(|c| c.to_string())?;
-            session_file::save_picture(&picture, session, path).map_err(say)
+        ExportContent::Picture { world, camera, extras } => {
+            let film = picture::film(session, world, camera, run.task);
+            let image = film.and_then(|f| picture::of_film(&f, session, world, camera, *extras, run.task));
+            session_file::save_picture(&image.map_err(|c| c.to_string())?, session, path).map_err(say)
+        }
+        ExportContent::Animation { still, tree, camera, extras, frames } => {
+            let stage = Stage { session, still, tree: tree.as_ref(), camera: *camera, extras: *extras };
+            animate(&stage, frames, path, run.task).map_err(|error| error.to_string())
         }
         ExportContent::Window { image } => {
             session_file::save_picture(&rgba(image), session, path).map_err(say)
@@ -121,35 +148,13 @@ fn write(run: &Run<ExportWork, ExportDone>) -> Result<(), String> {
         ExportContent::Tree { world } => {
             tree_file::save(&world.tree, &world.scene, path).map(drop).map_err(say)
         }
+        ExportContent::Report { world, camera, measured } => {
+            let report = Report::make(session, world, *camera, Measured::clone(measured), run.task);
+            report.map_err(|error| error.to_string())?.save(path).map_err(say)
+        }
+        ExportContent::Plot { plot, look } => plot::save(plot, *look, path).map_err(say),
         ExportContent::Session => session_file::save(session, path).map_err(say),
     }
-}
-
-struct Shown<'a> {
-    world: &'a World,
-    camera: &'a Camera,
-    overlay: bool,
-    legend: bool,
-}
-
-/// The picture of the session's size with the session's samples.
-fn render_picture(
-    session: &Session,
-    shown: &Shown,
-    task: &Task,
-) -> Result<RgbaImage, crate::task::Cancelled> {
-    let settings = session.render;
-    let Shown { world, camera, .. } = *shown;
-    let samples = settings.spp.unwrap_or(1);
-    let film = render(session.film_subject(), world, camera, &settings, samples, task)?;
-    let mut image = picture(&film, &session.display);
-    if shown.overlay && session.overlay.depths.is_some() {
-        let (width, height) = (settings.width, settings.height);
-        let depth = first_hit_distances(world, camera, width, height, &task.step())?;
-        let boxes = draw_boxes(world, camera, &session.overlay, &depth, width, height, &task.step())?;
-        compose(&mut image, &boxes);
-    }
-    Ok(if shown.legend { Legend::of(session, &film, world).below(&image) } else { image })
 }
 
 fn figures(
@@ -232,7 +237,8 @@ mod tests {
         let path = folder.path().join("picture.png");
         let (world, camera) = cornell();
         let session = sized(&Session::default(), 40, 30, 2);
-        let content = ExportContent::Picture { world, camera, overlay: true, legend: false };
+        let content =
+            ExportContent::Picture { world, camera, extras: Extras { overlay: true, legend: false } };
         let work = ExportWork { path: path.clone(), session: session.clone(), content };
         assert_eq!(export(work), Ok(path.clone()));
         let image = image::open(&path).expect("a picture").into_rgba8();

@@ -76,6 +76,8 @@ pub struct FilmKey {
     pub seed: u64,
     pub max_depth: u32,
     pub subject: FilmSubject,
+    /// What is hidden, counted; 0 for nothing.
+    pub hidden: u64,
 }
 
 impl FilmKey {
@@ -90,6 +92,7 @@ impl FilmKey {
             seed: settings.seed,
             max_depth: settings.max_depth,
             subject,
+            hidden: 0,
         }
     }
 
@@ -102,15 +105,14 @@ impl FilmKey {
 /// The subject with what does not matter for its view set to the default.
 fn normal_subject(subject: FilmSubject) -> FilmSubject {
     let view = subject.view;
-    let counts_rays = view.class() == ViewClass::Heat && view != View::ShadowSaving;
     let asks_shadows = match view.class() {
-        ViewClass::Data | ViewClass::Distance => false,
+        ViewClass::Data | ViewClass::Distance | ViewClass::Leaf => false,
         ViewClass::Class | ViewClass::Heat => true,
         ViewClass::Radiance => view != View::Path,
     };
     FilmSubject {
         view,
-        count: if counts_rays { subject.count } else { CountKind::default() },
+        count: if view.counts_rays() { subject.count } else { CountKind::default() },
         shadow_rule: if asks_shadows { subject.shadow_rule } else { ShadowRule::default() },
     }
 }
@@ -123,6 +125,8 @@ pub struct OverlayKey {
     pub settings: OverlaySettings,
     pub width: u32,
     pub height: u32,
+    /// What is hidden, counted; 0 for nothing.
+    pub hidden: u64,
 }
 
 /// What the first hit distances under the boxes depend on.
@@ -132,6 +136,7 @@ pub struct DepthKey {
     pub camera: Camera,
     pub width: u32,
     pub height: u32,
+    pub hidden: u64,
 }
 
 #[cfg(test)]
@@ -150,7 +155,7 @@ mod tests {
         let (a, b) = (BuildConfig::default(), BuildConfig { builder: Builder::Sweep, ..Default::default() });
         for view in View::ALL {
             let same = key(view, a) == key(view, b);
-            assert_eq!(same, view.class() != ViewClass::Heat, "{}", view.name());
+            assert_eq!(same, !view.depends_on_tree(), "{}", view.name());
         }
     }
 

@@ -1,8 +1,13 @@
 //! Everything that takes longer than a frame, one file a kind. Nothing in here draws; results are plain data.
 
+pub mod ab_build;
+pub mod ab_figures;
 pub mod bin_curve;
 pub mod build;
+pub mod census;
+pub mod construction;
 pub mod dialog;
+pub mod difference;
 pub mod export;
 pub mod figures;
 pub mod forecast;
@@ -12,12 +17,16 @@ pub mod keys;
 pub mod load;
 pub mod newest;
 pub mod overlay;
+pub mod pixel_rays;
 pub mod pools;
 pub mod present;
+pub mod region;
 pub mod render;
 pub mod shadow;
+pub mod splits;
 pub mod sweep;
 pub mod table;
+pub mod visible;
 
 use std::sync::{Arc, Mutex};
 

@@ -27,6 +27,10 @@ const COARSEST: u32 = 4;
 pub struct OverlayRequest {
     pub key: OverlayKey,
     pub world: Arc<World>,
+    /// Whose surfaces hide boxes.
+    pub seen: Arc<World>,
+    /// Shapes whose boxes are not drawn, ascending.
+    pub hidden: Arc<Vec<u32>>,
     /// Pixels of the picture a pixel of the overlay.
     pub scale: u32,
 }
@@ -67,11 +71,11 @@ pub fn moving_scale(last: Option<(f64, u32)>) -> u32 {
 
 fn draw(run: &Run<OverlayRequest, OverlayDone>, cache: &DepthCache) -> Result<OverlayDone, Cancelled> {
     let _pass = run.context.gate.enter(run.task, OnLease::Finish)?;
-    let OverlayRequest { key, world, scale } = run.request;
+    let OverlayRequest { key, world, hidden, scale, .. } = run.request;
     let start = Instant::now();
     let (width, height) = (key.width.div_ceil(*scale).max(1), key.height.div_ceil(*scale).max(1));
     let depth = depth(run, cache, width, height)?;
-    let overlay = draw_boxes(world, &key.camera, &key.settings, &depth, width, height, run.task)?;
+    let overlay = draw_boxes(world, &key.camera, &key.settings, hidden, &depth, [width, height], run.task)?;
     let size = [width as usize, height as usize];
     let image = ColorImage::from_rgba_premultiplied(size, overlay.image.as_raw());
     Ok(OverlayDone {
@@ -90,18 +94,18 @@ fn depth(
     width: u32,
     height: u32,
 ) -> Result<Arc<Vec<f32>>, Cancelled> {
-    let OverlayRequest { key, world, .. } = run.request;
+    let OverlayRequest { key, seen, .. } = run.request;
     if key.settings.show_hidden {
         return Ok(Arc::new(vec![f32::INFINITY; width as usize * height as usize]));
     }
-    let wanted = DepthKey { scene: key.tree.scene, camera: key.camera, width, height };
+    let wanted = DepthKey { scene: key.tree.scene, camera: key.camera, width, height, hidden: key.hidden };
     let lock = || cache.lock().expect("nothing panics while it holds the cache");
     if let Some((found, depth)) = &*lock()
         && *found == wanted
     {
         return Ok(Arc::clone(depth));
     }
-    let depth = Arc::new(first_hit_distances(world, &key.camera, width, height, run.task)?);
+    let depth = Arc::new(first_hit_distances(seen, &key.camera, width, height, run.task)?);
     *lock() = Some((wanted, Arc::clone(&depth)));
     Ok(depth)
 }

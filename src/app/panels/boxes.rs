@@ -6,10 +6,12 @@ use crate::accel::quality::DepthLevel;
 use crate::app::DEFAULT_BOXES;
 use crate::app::commands::Commands;
 use crate::app::view::AppView;
+use crate::inspect::plot::tree;
 use crate::render::BoxStyle;
 use crate::render::overlay::ramp;
 use crate::world::NodeFigure;
 
+use super::chart;
 use super::glossary::Term;
 use super::numbers;
 use super::range_bars::{FreeDrag, RangeBars};
@@ -101,6 +103,9 @@ fn depth_range(ui: &mut Ui, view: &AppView, deepest: u32, commands: &mut Command
         mark: None,
     }
     .show(ui, palette);
+    chart::menu(ui, &shown.response, Term::DepthRange.label(), commands, || {
+        tree::nodes_by_depth(&world.figures).of(chart::subject(view))
+    });
     if let Some([lo, hi]) = shown.changed {
         let depths = [lo as u32, (hi as u32).saturating_sub(1).max(lo as u32)];
         commands.edit(move |s| s.overlay.depths = Some(depths));

@@ -1,124 +1,55 @@
-//! Small, calm charts in one look: fixed bounds, few ticks, a tooltip of our own, no zoom and no drag.
+//! Small, calm charts in one look: fixed bounds, few ticks, a tooltip of our own, no zoom and no drag. They draw a
+//! [`Plot`], and offer to save it.
 
 use egui::accesskit::Role;
-use egui::{Color32, Rangef, Response, RichText, Sense, Ui, WidgetInfo};
-use egui_plot::{Bar, BarChart, GridMark, Plot, PlotPoint, PlotUi};
+use egui::{
+    Align, Button, Layout, Popup, Rangef, Rect, Response, RichText, Sense, Ui, UiBuilder, WidgetInfo, vec2,
+};
+use egui_plot::{
+    Bar, BarChart, GridMark, HLine, Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, PlotUi, Points,
+    VLine,
+};
 
+use crate::app::commands::{Asked, Command, Commands};
 use crate::app::theme::Palette;
+use crate::app::view::AppView;
+use crate::export::plot::PlotFormat;
+use crate::inspect::plot::{Axis, Ink, Mark, Plot, Point, Series};
 
-use super::numbers;
+use super::build::summary;
 use super::widgets::small_font;
 
-/// An axis: what it covers, where its ticks are, and how they are written.
-pub struct Axis {
-    pub range: [f64; 2],
-    pub ticks: Vec<f64>,
-    /// What it counts; may be empty.
-    pub label: &'static str,
-    pub text: Box<dyn Fn(f64) -> String>,
-}
-
-impl Axis {
-    /// From zero to a little above `max`.
-    pub fn from_zero(max: f64) -> Self {
-        let max = if max.is_finite() && max > 0.0 { max } else { 1.0 };
-        Self::linear([0.0, 1.06 * max], 4)
-    }
-
-    /// Around some values with a margin; not from zero, so that small changes are seen.
-    pub fn around(values: impl IntoIterator<Item = f64>) -> Self {
-        let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
-        for value in values.into_iter().filter(|v| v.is_finite()) {
-            (lo, hi) = (lo.min(value), hi.max(value));
-        }
-        if lo > hi {
-            (lo, hi) = (0.0, 1.0);
-        }
-        let margin = (0.1 * (hi - lo)).max(0.01 * hi.abs()).max(1e-9);
-        let low = if lo >= 0.0 { (lo - margin).max(0.0) } else { lo - margin };
-        Self::linear([low, hi + margin], 4)
-    }
-
-    /// With at most about `most` ticks at round numbers.
-    pub fn linear(range: [f64; 2], most: usize) -> Self {
-        let step = nice_step(range[1] - range[0], most);
-        Self::with_step(range, step)
-    }
-
-    /// Whole numbers, each in the middle of its unit.
-    pub fn integers(first: f64, last: f64, most: usize) -> Self {
-        let step = nice_step(last - first + 1.0, most).max(1.0).round();
-        let mut axis = Self::with_step([first, last], step);
-        axis.range = [first - 0.6, last + 0.6];
-        axis
-    }
-
-    fn with_step(range: [f64; 2], step: f64) -> Self {
-        let first = (range[0] / step).ceil() as i64;
-        let last = (range[1] / step).floor() as i64;
-        let ticks = (first..=last).map(|i| i as f64 * step).collect();
-        Self { range, ticks, label: "", text: Box::new(move |x| numbers::tick(x, step)) }
-    }
-
-    /// Powers of two, over the logarithm to base 2.
-    pub fn powers_of_two(first: u32, last: u32) -> Self {
-        Self {
-            range: [f64::from(first) - 0.2, f64::from(last) + 0.2],
-            ticks: (first..=last).map(f64::from).collect(),
-            label: "",
-            text: Box::new(|x| numbers::count(1u64 << (x.round().clamp(0.0, 62.0) as u32))),
-        }
-    }
-
-    pub fn labelled(self, label: &'static str) -> Self {
-        Self { label, ..self }
-    }
-
-    fn marks(&self) -> Vec<GridMark> {
-        let step_size = self.ticks.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
-        let step_size = if step_size.is_finite() { step_size } else { self.range[1] - self.range[0] };
-        self.ticks.iter().map(|&value| GridMark { value, step_size }).collect()
-    }
-}
-
-/// The smallest of 1, 2 or 5 times a power of ten that cuts `span` into at most `most` pieces.
-fn nice_step(span: f64, most: usize) -> f64 {
-    let raw = (span / most.max(1) as f64).max(1e-12);
-    let power = 10f64.powf(raw.log10().floor());
-    [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|s| *s >= raw * 0.999).unwrap_or(10.0 * power)
-}
+/// Size of the button that opens the menu, in points.
+const MENU_BUTTON: [f32; 2] = [22.0, 16.0];
 
 /// A chart of a fixed look.
-pub struct Chart<'a> {
-    /// What it shows, for whoever cannot see it; unique within the panel.
-    pub label: &'a str,
+pub struct Chart {
+    pub plot: Plot,
     pub height: f32,
-    pub x: Axis,
-    pub y: Axis,
     pub clickable: bool,
 }
 
 /// Where the mouse is over a drawn chart.
 pub struct ChartResponse {
     pub response: Response,
-    /// In the chart's coordinates.
+    /// In the chart's coordinates: places along its axes.
     pub hover: Option<PlotPoint>,
 }
 
-impl Chart<'_> {
-    pub fn show<'b>(
-        self,
-        ui: &mut Ui,
-        palette: &Palette,
-        draw: impl FnOnce(&mut PlotUi<'b>) + 'b,
-    ) -> ChartResponse {
-        let (x_marks, y_marks) = (self.x.marks(), self.y.marks());
-        let (x_range, y_range) = (self.x.range, self.y.range);
-        let (x_text, y_text) = (self.x.text, self.y.text);
+impl Chart {
+    pub fn show(self, ui: &mut Ui, palette: &Palette, commands: &mut Commands) -> ChartResponse {
+        let Self { plot, height, clickable } = self;
         let font = small_font(ui);
-        let x_label = RichText::new(self.x.label).font(font.clone()).color(palette.muted);
-        let mut plot = Plot::new(self.label)
-            .height(self.height)
+        let x_label = RichText::new(plot.x.label.as_str()).font(font.clone()).color(palette.muted);
+        let style = |axis: egui_plot::AxisHints<'static>| {
+            axis.label_spacing(Rangef::new(1.0, 2.0))
+                .tick_label_color(palette.muted)
+                .tick_label_font(font.clone())
+        };
+        let (x_marks, y_marks) = (marks(&plot.x), marks(&plot.y));
+        let (x_text, y_text) = (tick_text(&plot.x), tick_text(&plot.y));
+        let drawn = egui_plot::Plot::new(plot.title.as_str())
+            .height(height)
             .allow_zoom(false)
             .allow_drag(false)
             .allow_scroll(false)
@@ -127,17 +58,12 @@ impl Chart<'_> {
             .allow_double_click_reset(false)
             .show_crosshair(false)
             .label_formatter(|_| None)
-            .sense(if self.clickable { Sense::click() } else { Sense::hover() })
+            // The second button of the mouse opens the menu of every chart; keys go to its button.
+            .sense(if clickable { Sense::click() } else { Sense::CLICK | Sense::HOVER })
             .grid_spacing(Rangef::new(1.0, 2.0))
             .grid_color(palette.muted.gamma_multiply(0.22))
             .x_grid_spacer(move |_| x_marks.clone())
-            .y_grid_spacer(move |_| y_marks.clone());
-        let style = |axis: egui_plot::AxisHints<'static>| {
-            axis.label_spacing(Rangef::new(1.0, 2.0))
-                .tick_label_color(palette.muted)
-                .tick_label_font(font.clone())
-        };
-        plot = plot
+            .y_grid_spacer(move |_| y_marks.clone())
             .custom_x_axes(vec![
                 style(egui_plot::AxisHints::new_x())
                     .label(x_label)
@@ -148,61 +74,128 @@ impl Chart<'_> {
                     .min_thickness(42.0)
                     .formatter(move |mark, _| y_text(mark.value)),
             ]);
-        let shown = plot.show(ui, move |plot_ui| {
-            plot_ui.set_plot_bounds_x(x_range[0]..=x_range[1]);
-            plot_ui.set_plot_bounds_y(y_range[0]..=y_range[1]);
-            draw(plot_ui);
+        let shown = drawn.show(ui, |plot_ui| {
+            plot_ui.set_plot_bounds_x(plot.x.range[0]..=plot.x.range[1]);
+            plot_ui.set_plot_bounds_y(plot.y.range[0]..=plot.y.range[1]);
+            for series in &plot.series {
+                draw(plot_ui, &plot, series, palette);
+            }
         });
-        shown.response.widget_info(|| WidgetInfo::labeled(Role::Figure, true, self.label));
+        shown.response.widget_info(|| WidgetInfo::labeled(Role::Figure, true, &plot.title));
         let hover = shown.response.hover_pos().map(|p| shown.transform.value_from_position(p));
-        ChartResponse { response: shown.response, hover }
+        let over_button = menu(ui, &shown.response, &plot.title, commands, || plot.clone());
+        ChartResponse { response: shown.response, hover: hover.filter(|_| !over_button) }
     }
 }
 
-/// Bars at whole numbers, in parts stacked from the bottom: `heights[part][i]` at `first + i`.
-pub fn stacked_bars<const PARTS: usize>(
-    plot: &mut PlotUi<'_>,
-    first: f64,
-    series: [(&'static str, Color32, Vec<f64>); PARTS],
-) {
-    let mut floor = vec![0.0; series.iter().map(|s| s.2.len()).max().unwrap_or(0)];
-    for (name, color, heights) in series {
-        let bars = heights
-            .iter()
-            .zip(&mut floor)
-            .enumerate()
-            .filter(|(_, (height, _))| **height > 0.0)
-            .map(|(i, (height, floor))| {
-                let bar = Bar::new(first + i as f64, *height).width(0.8).base_offset(*floor).fill(color);
-                *floor += height;
-                bar
-            })
-            .collect();
-        plot.bar_chart(BarChart::new(name, bars).color(color).allow_hover(false));
+/// What a plot of the tree is of: scene and settings.
+pub fn subject(view: &AppView) -> String {
+    match (view.scene, view.world) {
+        (Some(scene), Some(world)) => format!("{}: {}", scene.name, summary(&world.report.config)),
+        (scene, _) => scene.map_or_else(String::new, |scene| scene.name.clone()),
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ticks_stand_at_round_numbers_within_the_range() {
-        for (range, expected) in
-            [([0.0, 10.0], vec![0.0, 5.0, 10.0]), ([0.13, 0.31], vec![0.15, 0.2, 0.25, 0.3])]
-        {
-            let ticks = Axis::linear(range, 4).ticks;
-            assert_eq!(ticks.len(), expected.len(), "{ticks:?}");
-            assert!(ticks.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-9), "{ticks:?}");
+/// A button in the corner of a plot, and the second button of the mouse anywhere over it: a menu that saves the plot.
+/// Whether the mouse is over the button.
+pub fn menu(
+    ui: &mut Ui,
+    over: &Response,
+    title: &str,
+    commands: &mut Commands,
+    plot: impl Fn() -> Plot,
+) -> bool {
+    let size = vec2(MENU_BUTTON[0], MENU_BUTTON[1]);
+    let corner = Rect::from_min_size(over.rect.right_top() + vec2(-size.x - 2.0, 2.0), size);
+    let hovered = ui.rect_contains_pointer(over.rect);
+    let id = over.id.with("menu");
+    let mut button_ui = ui
+        .new_child(UiBuilder::new().scope_id(id).max_rect(corner).layout(Layout::right_to_left(Align::Min)));
+    let quiet = if hovered { ui.visuals().text_color() } else { ui.visuals().weak_text_color() };
+    let text = RichText::new("…").color(quiet).size(13.0);
+    let button = button_ui.add(Button::new(text).frame_when_inactive(false).small().min_size(size));
+    let button = button.on_hover_text("Saves this plot as a picture, or its data.");
+    let button = button.accessible_name(format!("Save plot {title}"));
+    let mut items = |ui: &mut Ui| {
+        ui.weak(title);
+        for format in PlotFormat::ALL {
+            if ui.button(format!("Save {}…", format.name())).on_hover_text(format.about()).clicked() {
+                commands.push(Command::Ask(Asked::SavePlot { plot: Box::new(plot()), format }));
+            }
         }
+        if ui.button("Copy data").on_hover_text("The values as CSV to the clipboard.").clicked() {
+            let text = crate::export::plot::csv(&plot());
+            commands.push(Command::CopyText { text, what: "data of the plot" });
+        }
+    };
+    Popup::menu(&button).show(&mut items);
+    Popup::context_menu(over).show(&mut items);
+    button.hovered()
+}
+
+fn marks(axis: &Axis) -> Vec<GridMark> {
+    let steps = axis.ticks.windows(2).map(|w| w[1].at - w[0].at);
+    let step_size = steps.fold(f64::INFINITY, f64::min);
+    let step_size = if step_size.is_finite() { step_size } else { axis.range[1] - axis.range[0] };
+    axis.ticks.iter().map(|tick| GridMark { value: tick.at, step_size }).collect()
+}
+
+/// The text of the tick at a place.
+fn tick_text(axis: &Axis) -> impl Fn(f64) -> String + use<> {
+    let ticks = axis.ticks.clone();
+    move |at| {
+        let nearest = ticks.iter().min_by(|a, b| (a.at - at).abs().total_cmp(&(b.at - at).abs()));
+        nearest.map_or_else(String::new, |tick| tick.text.clone())
     }
+}
 
-    #[test]
-    fn one_value_or_none_still_makes_an_axis() {
-        for axis in [Axis::around([3.0]), Axis::around([]), Axis::around([0.0]), Axis::from_zero(f64::NAN)] {
-            assert!(axis.range[0] < axis.range[1] && axis.ticks.len() < 8, "{:?}", axis.range);
+fn draw(ui: &mut PlotUi<'_>, plot: &Plot, series: &Series, palette: &Palette) {
+    let color = |ink| palette.of_ink(ink).gamma_multiply(series.opacity);
+    let ink = color(series.ink);
+    let place = |p: &Point| [plot.x.scale.place(p.x), plot.y.scale.place(p.y)];
+    let places = || PlotPoints::from(series.points.iter().map(place).collect::<Vec<_>>());
+    let name = series.name.clone();
+    match series.mark {
+        Mark::Line { width } => ui.line(Line::new(name, places()).color(ink).width(width).allow_hover(false)),
+        Mark::Dots { radius, filled } => {
+            if series.points.iter().any(|p| p.color.is_some()) {
+                for point in &series.points {
+                    let own = point.color.map_or(ink, |rgb| color(Ink::Color(rgb)));
+                    let dot = Points::new(name.clone(), PlotPoints::from(vec![place(point)])).color(own);
+                    ui.points(dot.radius(radius).filled(filled).allow_hover(false));
+                }
+            } else {
+                ui.points(
+                    Points::new(name, places()).color(ink).radius(radius).filled(filled).allow_hover(false),
+                );
+            }
         }
-        let axis = Axis::integers(0.0, 0.0, 6);
-        assert_eq!((axis.range, axis.ticks), ([-0.6, 0.6], vec![0.0]));
+        Mark::Squares { radius } => ui.points(
+            Points::new(name, places())
+                .color(ink)
+                .radius(radius)
+                .shape(MarkerShape::Square)
+                .filled(false)
+                .allow_hover(false),
+        ),
+        Mark::Bars { width } => {
+            let bars = series.points.iter().filter(|p| p.y > p.base).map(|p| {
+                let base = plot.y.scale.place(p.base);
+                Bar::new(p.x, plot.y.scale.place(p.y) - base).width(width).base_offset(base).fill(ink)
+            });
+            ui.bar_chart(BarChart::new(name, bars.collect()).color(ink).allow_hover(false));
+        }
+        Mark::Across => {
+            for point in &series.points {
+                let line = HLine::new(name.clone(), plot.y.scale.place(point.y)).color(ink).width(1.0);
+                ui.hline(line.style(LineStyle::dashed_dense()).allow_hover(false));
+            }
+        }
+        Mark::Upright => {
+            for point in &series.points {
+                let line = VLine::new(name.clone(), plot.x.scale.place(point.x)).color(ink).width(1.5);
+                ui.vline(line.allow_hover(false));
+            }
+        }
     }
 }

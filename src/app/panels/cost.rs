@@ -1,16 +1,16 @@
 //! Where the cost of the tree lies, how well it predicts what rays pay, and what the number of bins does to both.
 
 use egui::{Color32, Ui};
-use egui_plot::{HLine, Line, PlotPoints, Points, VLine};
 
 use crate::accel::{BuildConfig, Builder};
 use crate::app::commands::Commands;
 use crate::app::theme::Palette;
 use crate::app::view::{AppView, BinCurve};
 use crate::inspect::bin_sweep::BinPoint;
+use crate::inspect::plot::{Axis, Ink, Mark, Plot, Series, tree};
 use crate::world::World;
 
-use super::chart::{self, Axis, Chart};
+use super::chart::{self, Chart};
 use super::glossary::Term;
 use super::numbers;
 use super::prediction;
@@ -58,12 +58,16 @@ impl Curve {
         }
     }
 
-    fn color(self, palette: &Palette) -> Color32 {
+    fn ink(self) -> Ink {
         match self {
-            Self::SahCost => palette.accent,
-            Self::NodesVisited => palette.third,
-            Self::BuildTime => palette.second,
+            Self::SahCost => Ink::Accent,
+            Self::NodesVisited => Ink::Third,
+            Self::BuildTime => Ink::Second,
         }
+    }
+
+    fn color(self, palette: &Palette) -> Color32 {
+        palette.of_ink(self.ink())
     }
 }
 
@@ -88,8 +92,8 @@ impl CostPanel {
         };
         parts(ui, view.palette, world);
         prediction::ui(ui, view, world);
-        per_depth(ui, view.palette, world);
-        leaf_sizes(ui, view.palette, world);
+        per_depth(ui, view, world, commands);
+        leaf_sizes(ui, view, world, commands);
         self.bins(ui, view, commands);
     }
 
@@ -108,7 +112,7 @@ impl CostPanel {
         let mut clicked = None;
         for (kind, _) in Curve::ALL.into_iter().zip(self.curves).filter(|(_, shown)| *shown) {
             if !curve.points.is_empty() {
-                clicked = bin_chart(ui, view, kind).or(clicked);
+                clicked = bin_chart(ui, view, kind, commands).or(clicked);
             }
         }
         if let Some(bins) = clicked {
@@ -173,23 +177,12 @@ pub fn share_bar(ui: &mut Ui, parts: &[(f64, Color32)]) {
     }
 }
 
-fn per_depth(ui: &mut Ui, palette: &Palette, world: &World) {
+fn per_depth(ui: &mut Ui, view: &AppView, world: &World, commands: &mut Commands) {
+    let palette = view.palette;
     widgets::term_section(ui, Term::PerDepth);
     let levels = &world.figures.levels;
-    let inner: Vec<f64> = levels.iter().map(|l| l.sah_inner).collect();
-    let leaf: Vec<f64> = levels.iter().map(|l| l.sah_leaf).collect();
-    let highest = levels.iter().map(|l| l.sah_inner + l.sah_leaf).fold(0.0, f64::max);
-    let chart = Chart {
-        label: Term::PerDepth.label(),
-        height: 134.0,
-        x: Axis::integers(0.0, levels.len().max(1) as f64 - 1.0, 8).labelled("depth"),
-        y: Axis::from_zero(highest),
-        clickable: false,
-    };
-    let (first, second) = (palette.accent, palette.second);
-    let shown = chart.show(ui, palette, move |plot| {
-        chart::stacked_bars(plot, 0.0, [("inner", first, inner), ("leaf", second, leaf)]);
-    });
+    let plot = tree::sah_by_depth(&world.figures).of(chart::subject(view));
+    let shown = Chart { plot, height: 134.0, clickable: false }.show(ui, palette, commands);
     if let Some((depth, level)) = bar_under(shown.hover, 0).and_then(|i| Some((i, levels.get(i)?))) {
         shown.response.on_hover_ui_at_pointer(|ui| {
             ui.strong(format!("Depth {depth}"));
@@ -206,25 +199,16 @@ fn bar_under(hover: Option<egui_plot::PlotPoint>, first: usize) -> Option<usize>
     (x >= first as f64).then(|| x as usize - first)
 }
 
-fn leaf_sizes(ui: &mut Ui, palette: &Palette, world: &World) {
+fn leaf_sizes(ui: &mut Ui, view: &AppView, world: &World, commands: &mut Commands) {
+    let palette = view.palette;
     widgets::term_section(ui, Term::LeafSizes);
     let sizes = &world.figures.leaf_sizes;
-    let counts: Vec<f64> = sizes.iter().skip(1).map(|&n| n as f64).collect();
-    if counts.is_empty() {
+    if sizes.len() < 2 {
         widgets::caption(ui, palette, "This tree has no leaves.");
         return;
     }
-    let chart = Chart {
-        label: Term::LeafSizes.label(),
-        height: 114.0,
-        x: Axis::integers(1.0, counts.len() as f64, 8).labelled("shapes in the leaf"),
-        y: Axis::from_zero(counts.iter().copied().fold(0.0, f64::max)),
-        clickable: false,
-    };
-    let color = palette.second;
-    let shown = chart.show(ui, palette, move |plot| {
-        chart::stacked_bars(plot, 1.0, [("leaves", color, counts)]);
-    });
+    let plot = tree::leaf_sizes(&world.figures).of(chart::subject(view));
+    let shown = Chart { plot, height: 114.0, clickable: false }.show(ui, palette, commands);
     if let Some((i, n)) = bar_under(shown.hover, 1).and_then(|i| Some((i, sizes.get(i + 1)?))) {
         let text = format!(
             "{} of {} leaves hold {}",
@@ -237,10 +221,10 @@ fn leaf_sizes(ui: &mut Ui, palette: &Palette, world: &World) {
 }
 
 /// One curve. The number of bins that was clicked.
-fn bin_chart(ui: &mut Ui, view: &AppView, kind: Curve) -> Option<usize> {
+fn bin_chart(ui: &mut Ui, view: &AppView, kind: Curve, commands: &mut Commands) -> Option<usize> {
     let palette = view.palette;
     let curve = view.bin_curve;
-    let at = |p: &BinPoint| Some([(p.bins? as f64).log2(), kind.of(p)?]);
+    let at = |p: &BinPoint| Some([p.bins? as f64, kind.of(p)?]);
     let all: Vec<[f64; 2]> = curve.points.iter().filter_map(at).collect();
     let of = |sure: bool| {
         curve.points.iter().filter(move |p| kind.is_sure(p) == sure).filter_map(at).collect::<Vec<_>>()
@@ -248,39 +232,36 @@ fn bin_chart(ui: &mut Ui, view: &AppView, kind: Curve) -> Option<usize> {
     let (sure, unsure) = (of(true), of(false));
     let sweep = curve.sweep.as_ref().and_then(|p| kind.of(p));
     let current = view.session.build();
-    let current = current.builder.uses_bins().then(|| (current.bins as f64).log2());
-    let color = kind.color(palette);
+    let current = current.builder.uses_bins().then_some(current.bins as f64);
     ui.horizontal(|ui| {
-        widgets::swatch(ui, color);
+        widgets::swatch(ui, kind.color(palette));
         ui.label(egui::RichText::new(kind.term().label()).small());
         ui.label(egui::RichText::new(kind.unit()).small().color(palette.muted));
     });
-    let chart = Chart {
-        label: match kind {
-            Curve::SahCost => "SAH cost over bins",
-            Curve::NodesVisited => "Nodes visited over bins",
-            Curve::BuildTime => "Build time over bins",
-        },
-        height: 116.0,
-        x: Axis::powers_of_two(1, 8).labelled("bins"),
-        y: Axis::around(all.iter().map(|p| p[1]).chain(sweep)),
-        clickable: true,
+    let title = match kind {
+        Curve::SahCost => "SAH cost over bins",
+        Curve::NodesVisited => "Nodes visited over bins",
+        Curve::BuildTime => "Build time over bins",
     };
-    let (mark, line) = (palette.accent, palette.muted);
-    let shown = chart.show(ui, palette, move |plot| {
-        if let Some(y) = sweep {
-            let dashes = egui_plot::LineStyle::dashed_dense();
-            plot.hline(HLine::new("full sweep", y).color(line).width(1.0).style(dashes).allow_hover(false));
-        }
-        if let Some(x) = current {
-            plot.vline(VLine::new("now", x).color(mark).width(1.5).allow_hover(false));
-        }
-        let faint = color.gamma_multiply(0.6);
-        plot.line(Line::new("curve", PlotPoints::from(all)).color(faint).width(1.5).allow_hover(false));
-        plot.points(Points::new("sure", PlotPoints::from(sure)).color(color).radius(2.5).allow_hover(false));
-        let hollow = Points::new("unsure", PlotPoints::from(unsure)).color(color).radius(2.5);
-        plot.points(hollow.filled(false).allow_hover(false));
-    });
+    let x = Axis::powers_of_two(1, 8).labelled("bins");
+    let y = Axis::around(all.iter().map(|p| p[1]).chain(sweep));
+    let mut plot = Plot::new(title, x, y.labelled(kind.term().label()).unit(kind.unit()))
+        .of(view.scene.map_or_else(String::new, |scene| scene.name.clone()));
+    let ink = kind.ink();
+    if let Some(sweep) = sweep {
+        plot = plot.with(Series::new("full sweep", Mark::Across, Ink::Muted).at([[0.0, sweep]]));
+    }
+    if let Some(bins) = current {
+        plot = plot.with(Series::new("now", Mark::Upright, Ink::Accent).at([[bins, 0.0]]));
+    }
+    let dots = |filled| Mark::Dots { radius: 2.5, filled };
+    plot = plot
+        .with(Series::new("curve", Mark::Line { width: 1.5 }, ink).faint(0.6).at(all).decoration())
+        .with(Series::new("measured", dots(true), ink).at(sure));
+    if !unsure.is_empty() {
+        plot = plot.with(Series::new("timed while something else ran", dots(false), ink).at(unsure));
+    }
+    let shown = Chart { plot, height: 116.0, clickable: true }.show(ui, palette, commands);
     let bins = shown.hover?.x.exp2().round();
     let bins = (bins as usize).clamp(*BuildConfig::BINS.start(), *BuildConfig::BINS.end());
     let clicked = shown.response.clicked();

@@ -1,15 +1,19 @@
 //! What leaves the program: pictures, raw numbers, figures, the session, and the command that makes the same picture.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use egui::{Align, Button, ComboBox, DragValue, FontId, Label, Layout, RichText, TextEdit, Ui, vec2};
 
 use crate::app::commands::{Command, Commands, ExportRequest, SaveTarget};
-use crate::app::view::AppView;
+use crate::app::view::{AppView, JobStatus};
+use crate::export::picture::Extras;
+use crate::inspect::sweep::rough_time;
 use crate::scene::SceneRef;
 use crate::session::Session;
 use crate::session::flags::command_line;
 
+use super::animation::AnimationForm;
 use super::glossary::Term;
 use super::widgets;
 
@@ -32,34 +36,56 @@ pub struct ExportPanel {
     samples: u32,
     overlay: bool,
     legend: bool,
+    animation: AnimationForm,
 }
 
 impl Default for ExportPanel {
     fn default() -> Self {
-        Self { paths: Default::default(), size: [1920, 1080], samples: 64, overlay: true, legend: false }
+        Self {
+            paths: Default::default(),
+            size: [1920, 1080],
+            samples: 64,
+            overlay: true,
+            legend: false,
+            animation: AnimationForm::default(),
+        }
     }
 }
 
 impl ExportPanel {
     pub fn ui(&mut self, ui: &mut Ui, view: &AppView, commands: &mut Commands) {
         self.picture(ui, view, commands);
+        self.film(ui, view, commands);
         for (target, term) in [
+            (SaveTarget::Report, Term::ReportFile),
             (SaveTarget::Raw, Term::RawFile),
             (SaveTarget::Figures, Term::FiguresFile),
             (SaveTarget::Sweep, Term::SweepFile),
             (SaveTarget::Tree, Term::TreeFile),
+            (SaveTarget::Plot, Term::PlotFile),
             (SaveTarget::Window, Term::WindowFile),
         ] {
             widgets::term_section(ui, term);
+            if target == SaveTarget::Plot {
+                let none = "None chosen yet: use the button in a plot's corner, or its second mouse button.";
+                widgets::caption(ui, view.palette, view.plot.map_or(none, |plot| plot.title.as_str()));
+            }
             if let Some(path) = self.path_row(ui, view, target, commands) {
                 commands.push(Command::Export(match target {
                     SaveTarget::Raw => ExportRequest::Raw { path },
                     SaveTarget::Figures => ExportRequest::Figures { path },
                     SaveTarget::Sweep => ExportRequest::Sweep { path },
                     SaveTarget::Tree => ExportRequest::Tree { path },
-                    SaveTarget::Window | SaveTarget::Picture | SaveTarget::Session => {
-                        ExportRequest::Window { path }
+                    SaveTarget::Plot => ExportRequest::Plot { path },
+                    SaveTarget::Report => {
+                        let samples =
+                            if view.session.view.refines(view.session.count) { self.samples } else { 1 };
+                        ExportRequest::Report { path, size: self.size, samples }
                     }
+                    SaveTarget::Window
+                    | SaveTarget::Picture
+                    | SaveTarget::Animation
+                    | SaveTarget::Session => ExportRequest::Window { path },
                 }));
             }
         }
@@ -105,10 +131,28 @@ impl ExportPanel {
                 legend,
             }));
         }
-        if let Some(job) = &view.exporting
-            && widgets::progress(ui, view.palette, job, "Cancel")
-        {
-            commands.push(Command::CancelExport);
+        if let Some(job) = &view.exporting {
+            if widgets::progress(ui, view.palette, job, "Cancel") {
+                commands.push(Command::CancelExport);
+            }
+            if let Some(left) = time_left(job) {
+                widgets::caption(ui, view.palette, format!("about {} left", rough_time(left)));
+            }
+        }
+    }
+
+    fn film(&mut self, ui: &mut Ui, view: &AppView, commands: &mut Commands) {
+        widgets::term_section(ui, Term::AnimationFile);
+        self.animation.ui(ui, view);
+        if let Some(path) = self.path_row(ui, view, SaveTarget::Animation, commands) {
+            let refines = view.session.view.refines(view.session.count);
+            commands.push(Command::Export(ExportRequest::Animation {
+                path,
+                size: self.size,
+                samples: if refines { self.samples } else { 1 },
+                extras: Extras { overlay: self.overlay, legend: self.legend },
+                frames: self.animation.frames(),
+            }));
         }
     }
 
@@ -160,12 +204,22 @@ impl ExportPanel {
         commands: &mut Commands,
     ) -> Option<PathBuf> {
         let stored = &mut self.paths[target as usize];
-        let mut text = stored.clone().unwrap_or_else(|| suggestion(view.session, target));
+        let mut text = stored.clone().unwrap_or_else(|| match target {
+            SaveTarget::Animation => {
+                let name = suggestion(view.session, target);
+                name.replace("film", self.animation.word())
+            }
+            _ => suggestion(view.session, target),
+        });
         let mut save = false;
         let row = vec2(ui.available_width(), widgets::ROW_HEIGHT);
         ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
             let name = target.name();
-            let is_there = target != SaveTarget::Sweep || !view.sweep.points.is_empty();
+            let is_there = match target {
+                SaveTarget::Sweep => !view.sweep.points.is_empty(),
+                SaveTarget::Plot => view.plot.is_some(),
+                _ => true,
+            };
             let ready =
                 is_there && !text.trim().is_empty() && view.exporting.is_none() && view.scene.is_some();
             let button = ui.add_enabled(ready, Button::new("Save"));
@@ -204,7 +258,17 @@ fn suggestion(session: &Session, target: SaveTarget) -> String {
         SaveTarget::Sweep => format!("{scene}-sweep.{extension}"),
         SaveTarget::Session => format!("{scene}.{extension}"),
         SaveTarget::Tree => format!("{scene}-{}.{extension}", session.build().builder.name()),
+        SaveTarget::Plot => format!("{scene}-plot.{extension}"),
+        SaveTarget::Report => format!("{scene}-report.{extension}"),
+        SaveTarget::Animation => format!("{scene}-{}-film.{extension}", session.view.name()),
     }
+}
+
+/// What the share so far lets expect; nothing while too little is done to tell.
+fn time_left(job: &JobStatus) -> Option<Duration> {
+    let share = job.fraction.filter(|share| *share > 0.01 && *share < 1.0)?;
+    let patient = job.elapsed > Duration::from_secs(2);
+    patient.then(|| job.elapsed.mul_f32((1.0 - share) / share))
 }
 
 fn copy_command(ui: &mut Ui, view: &AppView, commands: &mut Commands) {

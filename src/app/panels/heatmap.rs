@@ -1,12 +1,19 @@
 //! What is counted for each pixel, how the counts are coloured, and what they add up to.
 
-use egui::{Color32, ComboBox, DragValue, Mesh, Rect, Sense, Shape, Slider, SliderClamping, Ui, pos2, vec2};
+use egui::accesskit::Role;
+use egui::{
+    Color32, ComboBox, DragValue, Mesh, Rect, Sense, Shape, Slider, SliderClamping, Ui, WidgetInfo, pos2,
+    vec2,
+};
 
-use crate::app::commands::Commands;
+use crate::app::commands::{Command, Commands};
 use crate::app::view::AppView;
 use crate::inspect::histogram::Histogram;
+use crate::inspect::plot::{Plot, tree};
+use crate::inspect::region::PixelNumber;
 use crate::render::{ColorMap, CountKind, ToneMap, View, ViewClass};
 
+use super::chart::{self, Chart};
 use super::glossary::Term;
 use super::numbers;
 use super::range_bars::{FreeDrag, RangeBars};
@@ -57,6 +64,8 @@ impl HeatmapPanel {
         threshold(ui, view, commands);
         under_mouse(ui, view);
         statistics(ui, view);
+        region(ui, view, commands);
+        largest(ui, view, commands);
     }
 
     fn counter(&mut self, ui: &mut Ui, view: &AppView, commands: &mut Commands) {
@@ -124,6 +133,9 @@ impl HeatmapPanel {
             mark: view.session.display.threshold.map(f64::from),
         }
         .show(ui, view.palette);
+        let name = view.session.view.name().replace('-', " ");
+        let plot = || tree::histogram(histogram, &name, [low, high]).of(chart::subject(view));
+        chart::menu(ui, &shown.response, "Histogram", commands, plot);
         ends(ui, view, domain);
         if let Some([a, b]) = shown.changed {
             let range = [a.min(b) as f32, a.max(b) as f32];
@@ -154,8 +166,66 @@ impl HeatmapPanel {
     }
 }
 
+/// The numbers of a part of the picture.
+fn region(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
+    widgets::term_section(ui, Term::Region);
+    let found = view.region.and_then(|figures| Some((figures.region?, figures.histogram.as_ref()?)));
+    let Some((region, histogram)) = found else {
+        widgets::caption(ui, view.palette, "Shift + drag in the viewport marks a part of the picture.");
+        return;
+    };
+    let ([x, y], [to_x, to_y]) = (region.from, region.to);
+    ui.horizontal_wrapped(|ui| {
+        ui.label(format!("{x}, {y} to {}, {}", to_x - 1, to_y - 1));
+        if ui.button("Clear").on_hover_text("Shift + click in the viewport does the same").clicked() {
+            commands.push(Command::SetRegion(None));
+        }
+    });
+    let name = view.session.view.name().replace('-', " ");
+    let ends = histogram.range.map(f64::from);
+    let plot = Plot { title: "Region".to_owned(), ..tree::histogram(histogram, &name, ends) };
+    let plot = plot.of(chart::subject(view));
+    Chart { plot, height: 96.0, clickable: false }.show(ui, view.palette, commands);
+    for (term, value) in [
+        (Term::RegionPixels, histogram.value_count as f64),
+        (Term::Mean, histogram.mean),
+        (Term::Median, f64::from(histogram.median)),
+        (Term::P95, f64::from(histogram.p95)),
+        (Term::Maximum, f64::from(histogram.max)),
+    ] {
+        Figure::new(term, numbers::short(value)).show(ui, view.palette);
+    }
+}
+
+/// The most expensive pixels, each a click away.
+fn largest(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
+    const LINE: f32 = 17.0;
+    widgets::term_section(ui, Term::LargestPixels);
+    let pixels = view.region.map_or(&[][..], |figures| &figures.largest);
+    if pixels.is_empty() {
+        widgets::caption(ui, view.palette, "No pixel has a number yet.");
+        return;
+    }
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        for PixelNumber { pixel: [x, y], number } in pixels {
+            let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::click());
+            widgets::paint_line(ui, rect, &response, false);
+            let (left, right) = rect.shrink2(vec2(4.0, 0.0)).split_left_right_at_fraction(0.5);
+            let (place, value) = (format!("{x}, {y}"), numbers::short(f64::from(*number)));
+            let (text, font) = (ui.visuals().text_color(), widgets::number_font(ui));
+            widgets::paint_text(ui, left, widgets::Side::Left, &place, font.clone(), text);
+            widgets::paint_text(ui, right, widgets::Side::Right, &value, font, text);
+            response.widget_info(|| WidgetInfo::labeled(Role::Link, true, format!("Pixel {place}: {value}")));
+            if response.on_hover_text("Selects what this pixel shows, and looks at its rays").clicked() {
+                commands.push(Command::GoToPixel([*x, *y]));
+            }
+        }
+    });
+}
+
 fn is_numeric(view: View) -> bool {
-    matches!(view.class(), ViewClass::Heat | ViewClass::Distance)
+    matches!(view.class(), ViewClass::Heat | ViewClass::Leaf | ViewClass::Distance)
 }
 
 /// The name for people: `nodes visited` for `nodes-visited`.
@@ -177,6 +247,16 @@ pub fn view_name(view: View) -> &'static str {
         View::ShadowFiltered => "shadow: filtered",
         View::ShadowDifference => "shadow: difference",
         View::ShadowSaving => "shadow: nodes saved",
+        View::LeafDepth => "leaf depth",
+        View::LeafSize => "leaf size",
+        View::LeafSahShare => "leaf SAH share",
+        View::LeafEpo => "leaf EPO",
+        View::LeafFill => "leaf fill",
+        View::LeafRays => "rays in the leaf",
+        View::ParentOverlap => "overlap above the leaf",
+        View::ParentEmptySpace => "empty space above the leaf",
+        View::LeafId => "leaf id",
+        View::Material => "material",
     }
 }
 
@@ -191,7 +271,7 @@ fn visible(color: Color32, dark: bool) -> Color32 {
 }
 
 fn count_kind(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
-    let counts = view.session.view.counter().is_some() && view.session.view != View::ShadowSaving;
+    let counts = view.session.view.counts_rays();
     let describe = |c: CountKind| (c.name(), c.description());
     let chosen = ui.add_enabled_ui(counts, |ui| {
         widgets::segmented(ui, Term::Count, Some(view.session.count), &CountKind::ALL, &describe)

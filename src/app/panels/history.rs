@@ -1,14 +1,14 @@
 //! The builds of this run as a plot and a list, each of which brings its settings back.
 
 use egui::accesskit::Role;
-use egui::{Color32, Rect, Sense, Ui, WidgetInfo, vec2};
-use egui_plot::{Line, PlotPoints, Points};
+use egui::{Rect, Sense, Ui, WidgetInfo, vec2};
 
 use crate::app::commands::Commands;
 use crate::app::view::{AppView, HistoryEntry};
+use crate::inspect::plot::{Axis, Ink, Mark, Plot, Series};
 
 use super::build::summary;
-use super::chart::{Axis, Chart};
+use super::chart::Chart;
 use super::glossary::Term;
 use super::numbers;
 use super::widgets;
@@ -44,6 +44,13 @@ impl Quantity {
         }
     }
 
+    fn unit(self) -> &'static str {
+        match self {
+            Self::BuildTime => "ms",
+            Self::SahCost | Self::NodesVisited => "",
+        }
+    }
+
     fn of(self, entry: &HistoryEntry) -> Option<f64> {
         match self {
             // What reading a tree takes is no build.
@@ -73,7 +80,7 @@ impl History {
         {
             self.quantity = quantity;
         }
-        let in_plot = history_plot(ui, view, self.quantity);
+        let in_plot = history_plot(ui, view, self.quantity, commands);
         let in_list = history_list(ui, view);
         if let Some(entry) = in_plot.or(in_list) {
             let (config, tree) = (entry.config, entry.tree.clone());
@@ -86,38 +93,35 @@ impl History {
 }
 
 /// The build that was clicked.
-fn history_plot<'a>(ui: &mut Ui, view: &AppView<'a>, quantity: Quantity) -> Option<&'a HistoryEntry> {
+fn history_plot<'a>(
+    ui: &mut Ui,
+    view: &AppView<'a>,
+    quantity: Quantity,
+    commands: &mut Commands,
+) -> Option<&'a HistoryEntry> {
     let points: Vec<[f64; 2]> =
         view.history.iter().filter_map(|e| Some([e.number as f64, quantity.of(e)?])).collect();
     let (first, last) = (view.history.first()?.number as f64, view.history.last()?.number as f64);
     let current = view.history.last().and_then(|e| Some([e.number as f64, quantity.of(e)?]));
-    let chart = Chart {
-        label: quantity.term().label(),
-        height: 124.0,
-        x: Axis::integers(first, last.max(first + 7.0), 8).labelled("build"),
-        y: Axis::around(points.iter().map(|p| p[1])),
-        clickable: true,
-    };
-    let (accent, second) = (view.palette.accent, view.palette.second);
-    let shown = chart.show(ui, view.palette, move |plot| {
-        plot.line(
-            Line::new("builds", PlotPoints::from(points.clone()))
-                .color(accent.gamma_multiply(0.6))
-                .width(1.0)
-                .allow_hover(false),
+    let x = Axis::integers(first, last.max(first + 7.0), 8).labelled("build");
+    let y = Axis::around(points.iter().map(|p| p[1])).labelled(quantity.term().label()).unit(quantity.unit());
+    let mut plot = Plot::new(quantity.term().label(), x, y)
+        .of("the builds of one run")
+        .with(
+            Series::new("line", Mark::Line { width: 1.0 }, Ink::Accent)
+                .faint(0.6)
+                .at(points.clone())
+                .decoration(),
+        )
+        .with(Series::new("builds", Mark::Dots { radius: 2.5, filled: true }, Ink::Accent).at(points));
+    if let Some(current) = current {
+        plot = plot.with(
+            Series::new("newest", Mark::Dots { radius: 3.5, filled: true }, Ink::Second)
+                .at([current])
+                .decoration(),
         );
-        plot.points(
-            Points::new("build", PlotPoints::from(points)).color(accent).radius(2.5).allow_hover(false),
-        );
-        if let Some(current) = current {
-            plot.points(
-                Points::new("newest", PlotPoints::from(vec![current]))
-                    .color(second)
-                    .radius(3.5)
-                    .allow_hover(false),
-            );
-        }
-    });
+    }
+    let shown = Chart { plot, height: 124.0, clickable: true }.show(ui, view.palette, commands);
     let number = shown.hover?.x.round();
     let entry = view.history.iter().find(|e| e.number as f64 == number)?;
     let clicked = shown.response.clicked();
@@ -196,7 +200,7 @@ fn list_line(
         return false;
     };
     let current = view.history.last().is_some_and(|e| e.number == entry.number);
-    paint_row(ui, rect, &response, current);
+    widgets::paint_line(ui, rect, &response, current);
     let color = if current { view.palette.accent } else { ui.visuals().text_color() };
     let text = title(entry);
     widgets::paint_text(ui, left, widgets::Side::Left, &text, widgets::body_font(ui), color);
@@ -212,17 +216,6 @@ fn list_line(
     let clicked = response.clicked();
     response.on_hover_ui(|ui| entry_tooltip(ui, entry));
     clicked
-}
-
-fn paint_row(ui: &Ui, rect: Rect, response: &egui::Response, selected: bool) {
-    let fill = if selected {
-        ui.visuals().selection.bg_fill.gamma_multiply(0.35)
-    } else if response.hovered() || response.has_focus() {
-        ui.visuals().widgets.hovered.weak_bg_fill
-    } else {
-        Color32::TRANSPARENT
-    };
-    ui.painter().rect_filled(rect, 2.0, fill);
 }
 
 /// Five digits at most, so that it fits a narrow column.

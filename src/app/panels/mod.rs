@@ -1,20 +1,26 @@
 //! The panels, one file each. A panel owns only its own view state: it reads an [`AppView`] and pushes commands.
 
+mod animation;
+mod bookmarks;
 mod boxes;
 mod build;
 mod chart;
+mod compare;
+mod construction;
 mod cost;
 mod export;
 mod glossary;
 mod heatmap;
 mod history;
-mod numbers;
 mod prediction;
 mod range_bars;
+mod rays;
 mod scene;
 mod shadows;
+mod splits;
 mod sweep;
 mod table;
+mod tree;
 mod tree_file;
 mod widgets;
 
@@ -25,6 +31,7 @@ use serde::{Deserialize, Serialize};
 
 use super::commands::{Commands, SaveTarget};
 use super::view::AppView;
+use crate::inspect::numbers;
 
 /// Every panel around the viewport.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -34,25 +41,35 @@ pub enum PanelKind {
     Boxes,
     Heatmap,
     Cost,
+    Compare,
     Shadows,
     Table,
     Sweep,
     TreeFile,
     Export,
+    Tree,
+    Rays,
+    Splits,
+    Construction,
 }
 
 impl PanelKind {
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 15] = [
         Self::Scene,
         Self::Build,
         Self::Boxes,
         Self::Heatmap,
         Self::Cost,
+        Self::Compare,
         Self::Shadows,
         Self::Table,
         Self::Sweep,
         Self::TreeFile,
         Self::Export,
+        Self::Tree,
+        Self::Rays,
+        Self::Splits,
+        Self::Construction,
     ];
 
     pub fn title(self) -> &'static str {
@@ -62,11 +79,16 @@ impl PanelKind {
             Self::Boxes => "Boxes",
             Self::Heatmap => "Heatmap",
             Self::Cost => "Cost",
+            Self::Compare => "Compare",
             Self::Shadows => "Shadows",
             Self::Table => "Table",
             Self::Sweep => "Sweep",
             Self::TreeFile => "Tree file",
             Self::Export => "Export",
+            Self::Tree => "Tree",
+            Self::Rays => "Rays",
+            Self::Splits => "Splits",
+            Self::Construction => "Steps",
         }
     }
 }
@@ -79,11 +101,16 @@ pub struct Panels {
     boxes: boxes::BoxesPanel,
     heatmap: heatmap::HeatmapPanel,
     cost: cost::CostPanel,
+    compare: compare::ComparePanel,
     shadows: shadows::ShadowsPanel,
     table: table::TablePanel,
     sweep: sweep::SweepPanel,
     tree_file: tree_file::TreeFilePanel,
     export: export::ExportPanel,
+    tree: tree::TreePanel,
+    rays: rays::RaysPanel,
+    splits: splits::SplitsPanel,
+    construction: construction::ConstructionPanel,
 }
 
 impl Panels {
@@ -99,11 +126,16 @@ impl Panels {
                     PanelKind::Boxes => self.boxes.ui(ui, view, commands),
                     PanelKind::Heatmap => self.heatmap.ui(ui, view, commands),
                     PanelKind::Cost => self.cost.ui(ui, view, commands),
+                    PanelKind::Compare => self.compare.ui(ui, view, commands),
                     PanelKind::Shadows => self.shadows.ui(ui, view, commands),
                     PanelKind::Table => self.table.ui(ui, view, commands),
                     PanelKind::Sweep => self.sweep.ui(ui, view, commands),
                     PanelKind::TreeFile => self.tree_file.ui(ui, view, commands),
                     PanelKind::Export => self.export.ui(ui, view, commands),
+                    PanelKind::Tree => self.tree.ui(ui, view, commands),
+                    PanelKind::Rays => self.rays.ui(ui, view, commands),
+                    PanelKind::Splits => self.splits.ui(ui, view, commands),
+                    PanelKind::Construction => self.construction.ui(ui, view, commands),
                 }
             });
         });

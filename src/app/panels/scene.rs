@@ -13,6 +13,7 @@ use crate::scene::{Scene, SceneRef, UpAxis, builtin};
 use crate::session::Session;
 use crate::world::World;
 
+use super::bookmarks::Bookmarks;
 use super::glossary::Term;
 use super::numbers;
 use super::widgets::{self, Figure};
@@ -25,11 +26,12 @@ const SOUP_SIZES: std::ops::RangeInclusive<u32> = 1..=10_000_000;
 pub struct ScenePanel {
     open_text: String,
     soup_size: u32,
+    bookmarks: Bookmarks,
 }
 
 impl Default for ScenePanel {
     fn default() -> Self {
-        Self { open_text: String::new(), soup_size: 100_000 }
+        Self { open_text: String::new(), soup_size: 100_000, bookmarks: Bookmarks::default() }
     }
 }
 
@@ -41,6 +43,7 @@ impl ScenePanel {
         recent(ui, view, commands);
         staging(ui, view, commands);
         time(ui, view, commands);
+        self.bookmarks.ui(ui, view, commands);
     }
 
     fn open(&mut self, ui: &mut Ui, view: &AppView, commands: &mut Commands) {
@@ -244,15 +247,6 @@ fn staging(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
     if widgets::switch(ui, Term::Ground, view.session.ground) {
         commands.edit(|s| s.ground = !s.ground);
     }
-    ui.horizontal(|ui| {
-        if ui.button("Frame").on_hover_text("Moves the camera so that the whole scene is seen (F).").clicked()
-        {
-            commands.push(Command::FrameScene);
-        }
-        if ui.button("Reset").on_hover_text("Goes back to the scene's own camera (R).").clicked() {
-            commands.push(Command::ResetCamera);
-        }
-    });
 }
 
 fn set_up(session: &mut Session, up: UpAxis) {

@@ -48,25 +48,25 @@ impl ShadowsPanel {
     }
 
     fn compare(&mut self, ui: &mut Ui, view: &AppView, commands: &mut Commands) {
-        if let Some(compare) = view.compare {
-            (self.left, self.right) = (compare.left, compare.right);
+        // Two states are the business of the panel Compare.
+        let current = view.compare.filter(|compare| !compare.is_of_states());
+        if let Some(compare) = current {
+            let shown = |side: crate::app::view::Side| side.view.unwrap_or(view.session.view);
+            (self.left, self.right) = (shown(compare.left), shown(compare.right));
         }
         widgets::section(ui, "Two pictures at once");
-        let mode = view.compare.map(|c| c.style);
-        let choices = [None, Some(CompareStyle::SideBySide), Some(CompareStyle::Wipe)];
+        let mode = current.map(|c| c.style);
+        let choices =
+            [None, Some(CompareStyle::SideBySide), Some(CompareStyle::Wipe), Some(CompareStyle::Blink)];
         let describe = |style: Option<CompareStyle>| match style {
             None => ("off", "the one picture that is chosen above"),
-            Some(CompareStyle::SideBySide) => (CompareStyle::SideBySide.name(), "next to each other"),
-            Some(CompareStyle::Wipe) => (
-                CompareStyle::Wipe.name(),
-                "one over the other, with a line between them that the mouse drags",
-            ),
+            Some(style) => (style.name(), style.description()),
         };
-        let mut wanted = view.compare;
+        let mut wanted = current;
         if let Some(style) = widgets::segmented(ui, Term::CompareWith, Some(mode), &choices, &describe) {
-            wanted = style.map(|style| CompareViews { left: self.left, right: self.right, style });
+            wanted = style.map(|style| CompareViews::of_views(self.left, self.right, style));
         }
-        ui.add_enabled_ui(view.compare.is_some(), |ui| {
+        ui.add_enabled_ui(current.is_some(), |ui| {
             let describe = |v: View| (view_name(v), v.description());
             for (term, side) in [(Term::CompareLeft, &mut self.left), (Term::CompareRight, &mut self.right)] {
                 if let Some(v) = widgets::combo(ui, term, Some(*side), &View::ALL, &describe, "none") {
@@ -74,10 +74,10 @@ impl ShadowsPanel {
                 }
             }
             if let Some(compare) = &mut wanted {
-                (compare.left, compare.right) = (self.left, self.right);
+                (compare.left.view, compare.right.view) = (Some(self.left), Some(self.right));
             }
         });
-        if wanted != view.compare {
+        if wanted != current {
             commands.push(Command::SetCompareViews(wanted));
         }
     }

@@ -184,7 +184,7 @@ fn figures(ui: &mut Ui, view: &AppView, imported: &Imported) {
 /// A kind of findings with their number. True if it was clicked.
 fn kind_line(ui: &mut Ui, view: &AppView, kind: ViolationKind, count: usize, selected: bool) -> bool {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), LINE_HEIGHT), Sense::click());
-    paint_line(ui, rect, &response, selected);
+    widgets::paint_line(ui, rect, &response, selected);
     let color = if kind.is_fault() { view.palette.error } else { view.palette.muted };
     let dot = Rect::from_center_size(rect.left_center() + vec2(9.0, 0.0), vec2(8.0, 8.0));
     ui.painter().rect_filled(dot, 2.0, color);
@@ -207,7 +207,7 @@ fn kind_line(ui: &mut Ui, view: &AppView, kind: ViolationKind, count: usize, sel
 fn violation_line(ui: &mut Ui, view: &AppView, violation: &Violation) -> bool {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), LINE_HEIGHT), Sense::click());
     let selected = view.marked.is_some_and(|marked| marked.mark == mark_of(violation));
-    paint_line(ui, rect, &response, selected);
+    widgets::paint_line(ui, rect, &response, selected);
     let color = if violation.kind().is_fault() { ui.visuals().text_color() } else { view.palette.muted };
     let text = violation.to_string();
     let cell = rect.shrink2(vec2(4.0, 0.0));
@@ -216,15 +216,4 @@ fn violation_line(ui: &mut Ui, view: &AppView, violation: &Violation) -> bool {
     let clicked = response.clicked();
     response.on_hover_text(text);
     clicked
-}
-
-fn paint_line(ui: &Ui, rect: Rect, response: &egui::Response, selected: bool) {
-    let fill = if selected {
-        ui.visuals().selection.bg_fill.gamma_multiply(0.35)
-    } else if response.hovered() || response.has_focus() {
-        ui.visuals().widgets.hovered.weak_bg_fill
-    } else {
-        Color32::TRANSPARENT
-    };
-    ui.painter().rect_filled(rect, 2.0, fill);
 }

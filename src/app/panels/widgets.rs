@@ -83,6 +83,18 @@ pub fn paint_text(ui: &Ui, cell: Rect, side: Side, text: &str, font: FontId, col
     elided
 }
 
+/// The ground of a line of a list that can be clicked.
+pub fn paint_line(ui: &Ui, rect: Rect, response: &Response, selected: bool) {
+    let fill = if selected {
+        ui.visuals().selection.bg_fill.gamma_multiply(0.35)
+    } else if response.hovered() || response.has_focus() {
+        ui.visuals().widgets.hovered.weak_bg_fill
+    } else {
+        Color32::TRANSPARENT
+    };
+    ui.painter().rect_filled(rect, 2.0, fill);
+}
+
 /// A heading inside a panel, with a hairline to its right.
 pub fn section(ui: &mut Ui, title: &str) -> Response {
     if ui.cursor().top() > ui.min_rect().top() + 1.0 {

@@ -11,6 +11,10 @@ use super::Jobs;
 use crate::app::commands::ExportRequest;
 use crate::app::jobs::export::{ExportContent, ExportWork, sized};
 use crate::app::state::State;
+use crate::export::picture::Extras;
+use crate::export::plot::Look;
+use crate::export::report::Measured;
+use crate::inspect::sweep::plot::SweepPlot;
 use crate::session::Session;
 
 /// Files that wait to be written: one after the other, and none is forgotten.
@@ -51,11 +55,35 @@ pub fn export(jobs: &mut Jobs, state: &mut State, ctx: &egui::Context, request: 
     let world = Arc::clone(&document.world);
     let (path, session, content) = match request {
         ExportRequest::Picture { path, width, height, samples, overlay, legend } => {
-            let content = ExportContent::Picture { world, camera, overlay, legend };
+            let content = ExportContent::Picture { world, camera, extras: Extras { overlay, legend } };
+            (path, sized(&session, width, height, samples), content)
+        }
+        ExportRequest::Animation { path, size: [width, height], samples, extras, frames } => {
+            let still = Arc::clone(&document.still);
+            let tree = document.world.imported.as_ref().map(|imported| Arc::clone(&imported.file));
+            let content = ExportContent::Animation { still, tree, camera, extras, frames };
+            (path, sized(&session, width, height, samples), content)
+        }
+        ExportRequest::Report { path, size: [width, height], samples } => {
+            let question = state.sweep.question.as_ref().filter(|_| !state.sweep.points.is_empty());
+            let sweep = question.map(|_| {
+                let mut plot = SweepPlot::default().plot(&state.sweep.points, Some(session.build()));
+                plot.title = "Sweep".to_owned();
+                plot
+            });
+            let table = if state.table.stale { Vec::new() } else { state.table.rows.clone() };
+            let measured = Measured { table, plots: sweep.into_iter().collect() };
+            let content = ExportContent::Report { world, camera, measured: Arc::new(measured) };
             (path, sized(&session, width, height, samples), content)
         }
         ExportRequest::Raw { path } => {
-            let Some(picture) = state.picture(0).filter(|p| p.frame.scale == 1) else {
+            let Some(slot) = state.session_slot() else {
+                let message =
+                    "The picture of the current settings is not shown: end the comparison, then try again.";
+                state.messages.error(message);
+                return;
+            };
+            let Some(picture) = state.picture(slot).filter(|p| p.frame.scale == 1) else {
                 state
                     .messages
                     .error("The picture is not there yet: wait for its first sample, then try again.");
@@ -72,6 +100,13 @@ pub fn export(jobs: &mut Jobs, state: &mut State, ctx: &egui::Context, request: 
             };
             let points = Arc::new(state.sweep.points.clone());
             (path, session, ExportContent::Sweep { points, question: Box::new(question) })
+        }
+        ExportRequest::Plot { path } => {
+            let Some(plot) = state.plot.clone() else {
+                state.messages.error("No plot was chosen yet: use the button in its corner.");
+                return;
+            };
+            (path, session, ExportContent::Plot { plot, look: Look::of(state.dark) })
         }
         ExportRequest::Figures { path } => (path, session, ExportContent::Figures { world, camera }),
         ExportRequest::Tree { path } => (path, session, ExportContent::Tree { world }),
@@ -107,10 +142,14 @@ pub fn receive(jobs: &mut Jobs, state: &mut State) {
 
 /// Gives up the file that is being written. What lay at its path before stays.
 pub fn cancel(jobs: &mut Jobs, state: &mut State) {
-    if jobs.export.running().is_some() {
-        jobs.export.cancel();
-        state.messages.say("The export was cancelled; nothing was written.");
-    }
+    let Some(running) = jobs.export.running() else { return };
+    let what = if running.request.comes_in_parts() {
+        "The export was cancelled; the frames that were finished stay."
+    } else {
+        "The export was cancelled; nothing was written."
+    };
+    jobs.export.cancel();
+    state.messages.say(what);
 }
 
 /// The session with what is on the screen: the camera, and the tree that is finished.

@@ -3,10 +3,13 @@
 use std::sync::Arc;
 
 use super::Jobs;
+use crate::app::ab::Ab;
 use crate::app::jobs::load::{LoadMessage, LoadRequest, Opened, Source, short_name};
+use crate::app::splitting::{SplitView, Splitting};
 use crate::app::state::{Document, State};
 use crate::app::view::{BinCurve, ShadowState, TableState};
 use crate::export::findings::verdict;
+use crate::scene::SceneRef;
 use crate::session::Session;
 use crate::world::World;
 
@@ -23,6 +26,13 @@ pub fn receive(jobs: &mut Jobs, state: &mut State) {
     let context = jobs.context.clone();
     for message in jobs.load.poll(&context) {
         match message {
+            LoadMessage::Failed { message } if state.reopened => {
+                state.reopened = false;
+                state.messages.error(format!(
+                    "What was open last time cannot be opened again, so this is the default scene. {message}"
+                ));
+                open(jobs, state, Source::Scene(SceneRef::default()));
+            }
             LoadMessage::Failed { message } => state.messages.error(message),
             LoadMessage::Opened(opened) => adopt(jobs, state, *opened),
         }
@@ -32,6 +42,7 @@ pub fn receive(jobs: &mut Jobs, state: &mut State) {
 /// Replaces what is open.
 fn adopt(jobs: &mut Jobs, state: &mut State, opened: Opened) {
     let Opened { source, session, still, world, key, warnings } = opened;
+    state.reopened = false;
     jobs.build.cancel();
     jobs.curve.cancel();
     jobs.table.cancel();
@@ -53,6 +64,7 @@ fn adopt(jobs: &mut Jobs, state: &mut State, opened: Opened) {
     state.document = Some(Document { load: key.scene.load, still, world, tree: key, warnings });
     state.pictures = Default::default();
     state.boxes = None;
+    state.ab = Ab::default();
     state.figures = None;
     state.curve = BinCurve::default();
     state.curve_key = None;
@@ -62,6 +74,18 @@ fn adopt(jobs: &mut Jobs, state: &mut State, opened: Opened) {
     state.shadow_key = None;
     state.hover = None;
     state.marked = None;
+    state.selections.forget();
+    state.hidden.show_all();
+    state.region = None;
+    state.region_figures = None;
+    state.visible = None;
+    state.inspection.forget();
+    state.player.forget();
+    state.splitting =
+        Splitting { view: SplitView { hovered: None, ..state.splitting.view }, ..Splitting::default() };
+    state.census = None;
+    state.visits = None;
+    state.overlaps = None;
     state.held_range = None;
     state.last_change = std::time::Instant::now();
 }

@@ -5,15 +5,14 @@ use std::sync::Arc;
 use super::{Jobs, Now};
 use crate::app::jobs::FilmKey;
 use crate::app::jobs::present::PresentRequest;
-use crate::app::jobs::render::{Pace, RenderRequest};
+use crate::app::jobs::render::{Pace, RenderRequest, WantedPicture};
 use crate::app::state::{Picture, State};
 use crate::render::{DisplaySettings, RenderSettings};
 use crate::world::World;
 
 /// What the renderer was last asked for.
 pub struct RenderMemo {
-    world: Arc<World>,
-    pictures: Vec<FilmKey>,
+    pictures: Vec<(usize, FilmKey, Arc<World>)>,
     display: DisplaySettings,
     goal: Option<u32>,
     pace: Pace,
@@ -45,23 +44,27 @@ pub fn receive(jobs: &mut Jobs, state: &mut State) {
 }
 
 pub fn start(jobs: &mut Jobs, state: &mut State, now: &Now) {
-    let (Some(document), Some(camera), Some([width, height])) =
-        (&state.document, state.camera(), state.picture_size())
-    else {
-        return;
-    };
+    let Some([width, height]) = state.picture_size() else { return };
     let settings = RenderSettings { width, height, ..state.session.render };
-    let pictures: Vec<FilmKey> = state
-        .subjects()
-        .into_iter()
-        .map(|subject| FilmKey::new(&document.tree, &camera, &settings, subject))
+    let pictures: Vec<WantedPicture> = (0..state.subjects().len())
+        .filter_map(|slot| {
+            let shown = state.shown(slot)?;
+            let key = FilmKey::new(&shown.tree, &shown.camera, &settings, shown.subject);
+            // What is counted is counted in the tree that is looked at, hidden shapes and all.
+            let (world, hidden) = match shown.subject.view.depends_on_tree() {
+                true => (shown.world, 0),
+                false => state.seen(slot)?,
+            };
+            Some(WantedPicture { slot, key: FilmKey { hidden, ..key }, world: Arc::clone(world) })
+        })
         .collect();
+    if pictures.is_empty() {
+        return;
+    }
     let goal = if now.hold { Some(1) } else { state.session.render.spp };
     let pace = state.pace(now.time, now.hold);
     let display = state.display();
-    let request =
-        RenderRequest { world: Arc::clone(&document.world), pictures, settings, display, goal, pace };
-    ask(jobs, request);
+    ask(jobs, RenderRequest { pictures, settings, display, goal, pace });
     show_anew(jobs, state, display);
     let count = state.subjects().len();
     for picture in &mut state.pictures[count..] {
@@ -70,10 +73,13 @@ pub fn start(jobs: &mut Jobs, state: &mut State, now: &Now) {
 }
 
 fn ask(jobs: &mut Jobs, request: RenderRequest) {
-    let RenderRequest { world, pictures, display, goal, pace, .. } = &request;
+    let RenderRequest { pictures, display, goal, pace, .. } = &request;
+    let is_same = |((slot, key, world), wanted): (&(usize, FilmKey, Arc<World>), &WantedPicture)| {
+        (*slot, key) == (wanted.slot, &wanted.key) && Arc::ptr_eq(world, &wanted.world)
+    };
     let same = jobs.memo.render.as_ref().is_some_and(|memo| {
-        Arc::ptr_eq(&memo.world, world)
-            && memo.pictures == *pictures
+        memo.pictures.len() == pictures.len()
+            && memo.pictures.iter().zip(pictures).all(is_same)
             && memo.display == *display
             && memo.goal == *goal
             && memo.pace == *pace
@@ -82,8 +88,7 @@ fn ask(jobs: &mut Jobs, request: RenderRequest) {
         return;
     }
     jobs.memo.render = Some(RenderMemo {
-        world: Arc::clone(world),
-        pictures: pictures.clone(),
+        pictures: pictures.iter().map(|p| (p.slot, p.key, Arc::clone(&p.world))).collect(),
         display: *display,
         goal: *goal,
         pace: *pace,

@@ -34,7 +34,10 @@ impl Areas {
     /// Where the picture of a slot lies; `None` for one that there is not.
     pub fn slot(&self, slot: usize) -> Option<Rect> {
         match (self.style, slot) {
-            (None | Some(CompareStyle::Wipe), 0) | (Some(CompareStyle::Wipe), 1) => Some(self.whole),
+            (None, 0) => Some(self.whole),
+            (Some(CompareStyle::Wipe | CompareStyle::Blink | CompareStyle::Difference), 0 | 1) => {
+                Some(self.whole)
+            }
             (Some(CompareStyle::SideBySide), 0 | 1) => {
                 let width = (self.pixels[0] / 2) as f32 / self.pixels_per_point;
                 let x = if slot == 0 { self.whole.left() } else { self.whole.right() - width };

@@ -19,7 +19,8 @@ const PIXELS: TextureOptions = TextureOptions {
 #[derive(Default)]
 pub struct Textures {
     pictures: [Option<Sent>; MOST_PICTURES],
-    boxes: Option<Sent>,
+    boxes: [Option<Sent>; MOST_PICTURES],
+    difference: Option<Sent>,
 }
 
 /// A picture on the card.
@@ -35,16 +36,29 @@ impl Textures {
             let picture = state.picture(slot).map(|p| (p.version, &p.frame.presented.image));
             send(ui, &mut self.pictures[slot], picture, "picture");
         }
-        let boxes = state.boxes.as_ref().map(|b| (b.version, &b.image));
-        send(ui, &mut self.boxes, boxes, "boxes");
+        for slot in 0..MOST_PICTURES {
+            let boxes = state.boxes_of(slot).map(|b| (b.version, &b.image));
+            send(ui, &mut self.boxes[slot], boxes, "boxes");
+        }
+        let difference = state.ab.difference.as_ref().map(|d| (d.version, &d.image));
+        send(ui, &mut self.difference, difference, "difference");
     }
 
     /// Paints a picture with the boxes over it.
     pub fn paint(&self, painter: &Painter, slot: usize, area: Rect) {
         let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        for sent in [&self.pictures[slot], &self.boxes].into_iter().flatten() {
+        for sent in [&self.pictures[slot], &self.boxes[slot]].into_iter().flatten() {
             painter.image(sent.texture.id(), area, all, Color32::WHITE);
         }
+    }
+
+    /// Paints B - A with the boxes of B over it; whether there is such a picture.
+    pub fn paint_difference(&self, painter: &Painter, area: Rect) -> bool {
+        let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        for sent in [&self.difference, &self.boxes[1]].into_iter().flatten() {
+            painter.image(sent.texture.id(), area, all, Color32::WHITE);
+        }
+        self.difference.is_some()
     }
 }
 

@@ -11,6 +11,7 @@
 //! trees at once would find no thread that is free.
 
 mod grid;
+pub mod plot;
 mod point;
 mod progress;
 

@@ -57,11 +57,10 @@ impl Row for SweepPoint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::inspect::stats::tests::example;
 
     #[test]
     fn a_point_says_what_its_tree_says() {
-        let stats = example("A");
+        let stats = TreeStats::example("A");
         let point = SweepPoint::of(&stats);
         for column in COLUMNS {
             assert_eq!(column.value(&point), column.value(&stats), "{}", column.key);

@@ -27,13 +27,30 @@ pub const SHARE_SPAN: f32 = 1e-4;
 impl NodeFigure {
     /// Whether values lie on a logarithmic scale, since they span many orders.
     pub fn spans_decades(self) -> bool {
-        matches!(self, Self::SahShare | Self::Epo)
+        matches!(self, Self::SahShare | Self::Epo | Self::Visits)
     }
 
     /// sRGB of a value between the two ends of `range` ([`super::Overlay::color_range`]): the figure of
     /// a node. NaN, which says nothing, is [`NEUTRAL_COLOR`].
     pub fn color(self, value: f32, range: [f32; 2]) -> [u8; 3] {
         if value.is_nan() { NEUTRAL_COLOR } else { ramp(self.position(value, range)) }
+    }
+
+    /// The values of the two ends of the colours, from those of all nodes; `None` if none has a number.
+    pub fn range(self, values: &[f32]) -> Option<[f32; 2]> {
+        self.range_up_to(values.iter().copied().fold(f32::NAN, f32::max))
+    }
+
+    /// [`NodeFigure::range`], from the largest value.
+    pub fn range_up_to(self, most: f32) -> Option<[f32; 2]> {
+        let range = match self {
+            Self::Depth | Self::Overlap => [0.0, most],
+            Self::LeafSize | Self::Visits => [1.0, most.max(1.0)],
+            Self::SahShare | Self::Epo => [most * SHARE_SPAN, most],
+            Self::EmptySpace | Self::Fill | Self::Unique => [0.0, 1.0],
+        };
+        let is_known = most >= 0.0 && !(self.spans_decades() && most <= 0.0);
+        is_known.then_some(range)
     }
 
     /// Where a value lies between the two ends of `range`, in 0..=1.

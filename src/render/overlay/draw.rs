@@ -7,7 +7,7 @@ use super::band::{BAND_ROWS, Band, Canvas};
 use super::hidden::FarthestSurfaces;
 use super::project::Projector;
 use super::select::{Selection, ShownBox, Stage, select};
-use super::{BoxStyle, Overlay, OverlaySettings};
+use super::{BoxStyle, NodesShown, Overlay, OverlaySettings};
 use crate::accel::Tree;
 use crate::render::display::ColorMap;
 use crate::scene::camera::CameraFrame;
@@ -26,10 +26,10 @@ pub fn density_position(n: u32, [fewest, most]: [u32; 2]) -> f32 {
     if most > fewest { (scale(n) / scale(most)).min(1.0) } else { 0.0 }
 }
 
-/// Draws the boxes of a tree. `values`: as in [`select`].
+/// Draws the boxes of a tree. `nodes`: as in [`select`].
 pub fn draw_tree(
     tree: &Tree,
-    values: &[f32],
+    nodes: NodesShown,
     frame: CameraFrame,
     settings: &OverlaySettings,
     depth: &[f32],
@@ -40,7 +40,7 @@ pub fn draw_tree(
     let projector = Projector::new(frame, &tree.bounds());
     let surfaces = (!settings.show_hidden).then(|| FarthestSurfaces::new(&projector, depth));
     let stage = Stage { projector: &projector, surfaces: surfaces.as_ref() };
-    let selection = select(tree, values, stage, settings, task)?;
+    let selection = select(tree, nodes, stage, settings, task)?;
     let mut overlay = Overlay {
         image: RgbaImage::new(width, height),
         selected: selection.selected,
@@ -215,7 +215,15 @@ mod tests {
             NodeFigure::Fill => nodes::fills(tree),
             _ => nodes::sah_shares(tree, 1.0, 1.0),
         };
-        draw_tree(tree, &values, front_frame(), settings, depth, &Task::new()).expect("nobody cancels")
+        draw_tree(
+            tree,
+            NodesShown { values: &values, shown: None },
+            front_frame(),
+            settings,
+            depth,
+            &Task::new(),
+        )
+        .expect("nobody cancels")
     }
 
     fn alpha(overlay: &Overlay, x: u32, y: u32) -> u8 {
@@ -411,7 +419,8 @@ mod tests {
                 Canvas { projector: &projector, width: 100, height: 100, depth: &depth, show_hidden: false };
             for style in BoxStyle::ALL {
                 let settings = settings(style);
-                let all = select(&tree, &[], stage, &settings, &Task::new()).expect("nobody cancels");
+                let all = select(&tree, NodesShown::default(), stage, &settings, &Task::new())
+                    .expect("nobody cancels");
                 let mut image = RgbaImage::new(100, 100);
                 draw_selection(&canvas, &all, &settings, &mut image, &Task::new()).expect("nobody cancels");
                 let culled = draw(&tree, &settings, &depth);
@@ -431,7 +440,7 @@ mod tests {
             let stage = Stage { projector: &projector, surfaces: None };
             let pick = |budget| {
                 let settings = OverlaySettings { budget, ..settings(BoxStyle::Wire) };
-                select(&tree, &[], stage, &settings, &Task::new()).expect("nobody cancels")
+                select(&tree, NodesShown::default(), stage, &settings, &Task::new()).expect("nobody cancels")
             };
             let all = pick(u32::MAX);
             for budget in [1, 7, 40, 80] {
@@ -479,7 +488,14 @@ mod tests {
     fn a_cancelled_task_stops_it() {
         let task = Task::new();
         task.cancel();
-        let drawn = draw_tree(&pair(), &[], front_frame(), &settings(BoxStyle::Wire), &wall(5.0), &task);
+        let drawn = draw_tree(
+            &pair(),
+            NodesShown::default(),
+            front_frame(),
+            &settings(BoxStyle::Wire),
+            &wall(5.0),
+            &task,
+        );
         assert!(matches!(drawn, Err(Cancelled)));
     }
 }

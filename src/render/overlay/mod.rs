@@ -13,6 +13,7 @@ use image::RgbaImage;
 use rayon::prelude::*;
 
 use super::tiles::{add, tiles};
+use super::visits;
 use crate::scene::Camera;
 use crate::task::{Cancelled, Task};
 use crate::world::{NodeFigure, Packets, World};
@@ -43,7 +44,17 @@ pub struct Overlay {
     pub density_range: Option<[u32; 2]>,
 }
 
-/// Draws the boxes of the world's tree, or of a broken one from a file. `depth`: distance along each pixel centre's camera ray to the first surface
+/// What is said of nodes, by [`NodeId`](crate::accel::NodeId).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NodesShown<'a> {
+    /// What the colours say; empty for depths, which are known on the way.
+    values: &'a [f32],
+    /// Whether a node is drawn; `None` for all.
+    shown: Option<&'a [bool]>,
+}
+
+/// Draws the boxes of the world's tree, or of a broken one from a file, but for those that hold nothing but `hidden` shapes
+/// (ascending). `depth`: distance along each pixel centre's camera ray to the first surface
 /// (infinity for none), from [`first_hit_distances`].
 ///
 /// # Errors
@@ -55,18 +66,21 @@ pub fn draw_boxes(
     world: &World,
     camera: &Camera,
     settings: &OverlaySettings,
+    hidden: &[u32],
     depth: &[f32],
-    width: u32,
-    height: u32,
+    [width, height]: [u32; 2],
     task: &Task,
 ) -> Result<Overlay, Cancelled> {
     // Of a density no box has a colour, and the depth is known on the way.
     let values = match settings.color {
         _ if settings.style == BoxStyle::Density => Vec::new(),
         NodeFigure::Depth => Vec::new(),
-        figure => world.node_values(figure, &task.step())?,
+        figure => visits::node_values(world, figure, camera, [width, height], &task.step())?,
     };
-    draw::draw_tree(world.shown_tree(), &values, camera.frame(width, height), settings, depth, task)
+    let tree = world.shown_tree();
+    let shown = if hidden.is_empty() { None } else { Some(select::with_shapes_beside(tree, hidden)) };
+    let nodes = NodesShown { values: &values, shown: shown.as_deref() };
+    draw::draw_tree(tree, nodes, camera.frame(width, height), settings, depth, task)
 }
 
 /// Distance along the ray through each pixel's centre to the first surface; infinity for none.

@@ -2,10 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::OverlaySettings;
-use super::color::SHARE_SPAN;
 use super::hidden::FarthestSurfaces;
 use super::project::{Footprint, PixelRect, Projector};
+use super::{NodesShown, OverlaySettings};
 use crate::accel::{ChildRef, Nodes, Tree};
 use crate::each_width;
 use crate::geometry::Aabb;
@@ -54,18 +53,36 @@ pub struct Stage<'a> {
     pub surfaces: Option<&'a FarthestSurfaces>,
 }
 
-/// Picks the boxes that `settings` ask for. `values`: each node's figure that is the colour, in order of
+/// Whether anything but hidden shapes (ascending) lies below each node, by [`NodeId`](crate::accel::NodeId).
+pub fn with_shapes_beside(tree: &Tree, hidden: &[u32]) -> Vec<bool> {
+    let mut shown = vec![false; tree.node_count()];
+    for leaf_idx in 0..tree.leaf_count() as u32 {
+        let shapes = tree.leaf_shapes(leaf_idx);
+        shown[tree.inner_count() + leaf_idx as usize] =
+            shapes.iter().any(|shape| hidden.binary_search(shape).is_err());
+    }
+    // Parents come before their children.
+    for node_idx in (0..tree.inner_count() as u32).rev() {
+        shown[node_idx as usize] =
+            each_width!(tree, t => t.children(node_idx).any(|(child, _)| shown[child.0 as usize]));
+    }
+    shown
+}
+
+/// Picks the boxes that `settings` ask for. The values of `nodes`: each node's figure that is the colour, in order of
 /// [`NodeId`](crate::accel::NodeId); not looked at for [`NodeFigure::Depth`].
 pub fn select(
     tree: &Tree,
-    values: &[f32],
+    nodes: NodesShown,
     stage: Stage,
     settings: &OverlaySettings,
     task: &Task,
 ) -> Result<Selection, Cancelled> {
+    let NodesShown { values, shown } = nodes;
     let Some([a, b]) = settings.depths else { return Ok(Selection::default()) };
     let depths = [a.min(b), a.max(b)];
-    let mut selection = each_width!(tree, t => Walk { tree: t, values, depths, stage, settings }.run(task)?);
+    let mut selection =
+        each_width!(tree, t => Walk { tree: t, values, shown, depths, stage, settings }.run(task)?);
     // Farthest first, so that what is nearer is drawn over it. Of a box and a box inside it that touches the same side
     // the inner one goes first: the outline of the larger stays whole.
     selection.boxes.par_sort_unstable_by(|a, b| {
@@ -129,6 +146,7 @@ struct Found {
 struct Walk<'a, T> {
     tree: &'a T,
     values: &'a [f32],
+    shown: Option<&'a [bool]>,
     depths: [u32; 2],
     stage: Stage<'a>,
     settings: &'a OverlaySettings,
@@ -138,7 +156,7 @@ impl<T: Nodes> Walk<'_, T> {
     fn run(&self, task: &Task) -> Result<Selection, Cancelled> {
         let mut selection = Selection::default();
         let mut level = Vec::new();
-        if !self.tree.root().is_empty() {
+        if !self.tree.root().is_empty() && self.is_shown(self.tree.root()) {
             level.push(Reached { child: self.tree.root(), bounds: self.tree.bounds(), fate: Fate::Open });
         }
         let budget = self.settings.budget as usize;
@@ -218,8 +236,14 @@ impl<T: Nodes> Walk<'_, T> {
     fn descend(&self, node_idx: u32, fate: Fate, found: &mut Found) {
         let slots = (0..T::WIDTH).map(|slot| self.tree.slot(node_idx, slot));
         for (child, bounds) in slots.take_while(|(child, _)| !child.is_empty()) {
-            found.next.push(Reached { child, bounds, fate });
+            if self.is_shown(child) {
+                found.next.push(Reached { child, bounds, fate });
+            }
         }
+    }
+
+    fn is_shown(&self, child: ChildRef) -> bool {
+        self.shown.is_none_or(|shown| shown[self.node_id(child) as usize])
     }
 
     fn value(&self, child: ChildRef, depth: u32) -> f32 {
@@ -240,16 +264,13 @@ impl<T: Nodes> Walk<'_, T> {
 
     fn color_range(&self, value_max: f32) -> Option<[f32; 2]> {
         // Of the whole tree, so that a colour keeps its meaning when the range of depths moves.
-        let most = || self.values.iter().copied().fold(f32::NAN, f32::max);
-        let (low, high) = match self.settings.color {
-            NodeFigure::Depth => (self.depths[0] as f32, value_max),
-            NodeFigure::LeafSize => (1.0, most()),
-            NodeFigure::SahShare | NodeFigure::Epo => (value_max * SHARE_SPAN, value_max),
-            NodeFigure::Overlap => (0.0, most()),
-            NodeFigure::EmptySpace | NodeFigure::Fill => (0.0, 1.0),
-        };
-        let known = self.settings.color == NodeFigure::Depth || most() >= 0.0;
-        (known && high >= low && !(self.settings.color.spans_decades() && high <= 0.0)).then_some([low, high])
+        match self.settings.color {
+            NodeFigure::Depth => {
+                (value_max >= self.depths[0] as f32).then_some([self.depths[0] as f32, value_max])
+            }
+            color @ (NodeFigure::SahShare | NodeFigure::Epo) => color.range_up_to(value_max),
+            color => color.range(self.values),
+        }
     }
 }
 

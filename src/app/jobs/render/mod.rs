@@ -23,14 +23,21 @@ pub const MOST_PICTURES: usize = 2;
 /// What the viewport wants to see.
 #[derive(Clone)]
 pub struct RenderRequest {
-    pub world: Arc<World>,
     /// One, or two to compare.
-    pub pictures: Vec<FilmKey>,
+    pub pictures: Vec<WantedPicture>,
     pub settings: RenderSettings,
     pub display: DisplaySettings,
     /// Samples a pixel; `None` for no end.
     pub goal: Option<u32>,
     pub pace: Pace,
+}
+
+/// A picture of the viewport.
+#[derive(Clone)]
+pub struct WantedPicture {
+    pub slot: usize,
+    pub key: FilmKey,
+    pub world: Arc<World>,
 }
 
 /// A finished step.
@@ -170,11 +177,11 @@ fn worth_finishing(running: &RunningStep, request: &RenderRequest) -> bool {
     if running.first_look {
         // A look at an older moment, camera or tree of the same scene is better than none: else a picture that is slower
         // than the hand that drags would never be seen.
-        return request.pictures.iter().any(|key| {
+        return request.pictures.iter().any(|WantedPicture { key, .. }| {
             key.scene.load == running.key.scene.load && key.subject.view == running.key.subject.view
         });
     }
-    request.pictures.contains(&running.key)
+    request.pictures.iter().any(|picture| picture.key == running.key)
 }
 
 #[cfg(test)]

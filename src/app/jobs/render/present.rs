@@ -17,6 +17,8 @@ pub struct Presented {
     pub image: std::sync::Arc<ColorImage>,
     /// That the colour map covers.
     pub range: Option<[f32; 2]>,
+    /// That it covers if no range is set.
+    pub own_range: Option<[f32; 2]>,
     /// Of all numbers of the film.
     pub histogram: Option<Histogram>,
 }
@@ -24,12 +26,14 @@ pub struct Presented {
 /// Runs in the current rayon pool.
 pub fn present(film: &Film, display: &DisplaySettings) -> Presented {
     let image = picture(film, display);
+    let own_range = effective_range(film, &DisplaySettings { range: None, ..*display });
     let size = [image.width() as usize, image.height() as usize];
     Presented {
         display: *display,
         // Opaque, so that premultiplied and not are the same.
         image: ColorImage::from_rgba_premultiplied(size, image.as_raw()).into(),
-        range: effective_range(film, display),
+        range: own_range.map(|own| display.range.unwrap_or(own)),
+        own_range,
         histogram: film.numbers().and_then(|numbers| Histogram::of(&numbers, HISTOGRAM_BINS, None)),
     }
 }

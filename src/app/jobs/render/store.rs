@@ -46,9 +46,9 @@ impl FilmStore {
         self.get(key).map_or(0, |film| film.samples)
     }
 
-    /// Forgets the films of other loads: that scene is gone.
-    pub fn keep_load(&mut self, load: u64) {
-        self.films.retain(|(key, _)| key.scene.load == load);
+    /// Forgets the films of other loads: those scenes are gone.
+    pub fn keep_loads(&mut self, loads: &[u64]) {
+        self.films.retain(|(key, _)| loads.contains(&key.scene.load));
     }
 }
 
@@ -110,7 +110,7 @@ mod tests {
         let mut store = FilmStore::new(10_000);
         store.put(key(0, 1), film(1));
         store.put(key(0, 2), film(2));
-        store.keep_load(2);
+        store.keep_loads(&[2]);
         assert_eq!((store.samples(&key(0, 1)), store.samples(&key(0, 2))), (0, 2));
     }
 }

@@ -32,10 +32,13 @@ impl Stage {
         FilmKey::new(&tree, &self.camera, &self.settings, subject)
     }
 
+    fn picture(&self, slot: usize, key: FilmKey) -> WantedPicture {
+        WantedPicture { slot, key, world: Arc::clone(&self.world) }
+    }
+
     fn request(&self, views: &[View], goal: u32) -> RenderRequest {
         RenderRequest {
-            world: Arc::clone(&self.world),
-            pictures: views.iter().map(|v| self.key(*v)).collect(),
+            pictures: views.iter().enumerate().map(|(slot, v)| self.picture(slot, self.key(*v))).collect(),
             settings: self.settings,
             display: DisplaySettings::default(),
             goal: Some(goal),
@@ -130,7 +133,9 @@ fn a_first_look_outlives_a_camera_move_but_not_another_view() {
     let running = |first_look, refines| RunningStep { key, first_look, refines, task: Task::new() };
     let (first, second, later) = (running(true, false), running(false, false), running(false, true));
     let moved = RenderRequest {
-        pictures: vec![FilmKey { camera: Camera { fov_y_degrees: 10.0, ..stage.camera }, ..key }],
+        pictures: vec![
+            stage.picture(0, FilmKey { camera: Camera { fov_y_degrees: 10.0, ..stage.camera }, ..key }),
+        ],
         ..stage.request(&[View::Path], 1)
     };
     assert!(worth_finishing(&first, &moved));
@@ -140,4 +145,20 @@ fn a_first_look_outlives_a_camera_move_but_not_another_view() {
     let paused = RenderRequest { pace: Pace::Paused, ..stage.request(&[View::Path], 1) };
     assert!(!worth_finishing(&later, &paused));
     assert!(worth_finishing(&second, &paused), "a pause shows one whole sample");
+}
+
+#[test]
+fn two_pictures_of_one_film_are_both_shown_and_a_slot_may_be_empty() {
+    let stage = Stage::new();
+    let renderer = Renderer::start(&Context::for_tests());
+    renderer.request(stage.request(&[View::Path, View::Path], 2));
+    let seen: Vec<_> = settle(&renderer).iter().map(|f| (f.slot, f.film.samples)).collect();
+    assert_eq!(seen, [(0, 2), (1, 2)]);
+    let right = RenderRequest {
+        pictures: vec![stage.picture(1, stage.key(View::Depth))],
+        ..stage.request(&[View::Depth], 1)
+    };
+    renderer.request(right);
+    let seen: Vec<_> = settle(&renderer).iter().map(|f| (f.slot, f.key.subject.view)).collect();
+    assert_eq!(seen, [(1, View::Depth)]);
 }

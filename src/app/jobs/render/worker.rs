@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::plan::{SlotProgress, Step, next_step};
 use super::present::present;
 use super::store::FilmStore;
-use super::{Frame, Pace, RenderRequest, RunningStep, Shared};
+use super::{Frame, Pace, RenderRequest, RunningStep, Shared, WantedPicture};
 use crate::app::jobs::gate::OnLease;
 use crate::app::jobs::job::panic_text;
 use crate::app::jobs::keys::FilmKey;
@@ -31,7 +31,7 @@ pub(super) fn run(shared: &Arc<Shared>, context: &Context) {
         store: FilmStore::new(MOST_FILM_BYTES),
         pace_ns: HashMap::new(),
         slots: Vec::new(),
-        load: None,
+        loads: Vec::new(),
     };
     let mut serial = 0;
     let mut resting = true;
@@ -57,11 +57,13 @@ struct Worker {
     /// Nanoseconds a pixel and sample, by what is rendered.
     pace_ns: HashMap<(View, CountKind), f64>,
     slots: Vec<Slot>,
-    load: Option<u64>,
+    loads: Vec<u64>,
 }
 
 /// What one of the viewport's pictures has got so far.
 struct Slot {
+    /// Of the viewport.
+    number: usize,
     key: FilmKey,
     coarse: Option<u32>,
     /// Samples of the film at full size that were shown.
@@ -94,20 +96,24 @@ impl Worker {
 
     /// Brings the slots in line with the request. A film that is there already is shown at once.
     fn adopt(&mut self, request: &RenderRequest) {
-        let load = request.pictures.first().map(|key| key.scene.load);
-        if load != self.load {
-            self.load = load;
-            self.pace_ns.clear();
-            if let Some(load) = load {
-                self.store.keep_load(load);
+        let loads: Vec<u64> = request.pictures.iter().map(|picture| picture.key.scene.load).collect();
+        if loads != self.loads {
+            if loads.first() != self.loads.first() {
+                self.pace_ns.clear();
             }
+            if !loads.is_empty() {
+                self.store.keep_loads(&loads);
+            }
+            self.loads = loads;
         }
         self.slots.truncate(request.pictures.len());
-        for (i, key) in request.pictures.iter().enumerate() {
-            if self.slots.get(i).is_some_and(|slot| slot.key == *key) {
+        for (i, WantedPicture { slot: number, key, .. }) in request.pictures.iter().enumerate() {
+            let number = *number;
+            if self.slots.get(i).is_some_and(|slot| (slot.number, slot.key) == (number, *key)) {
                 continue;
             }
-            let slot = Slot { key: *key, coarse: None, shown_samples: 0, shown_at: None, sample_ms: None };
+            let slot =
+                Slot { number, key: *key, coarse: None, shown_samples: 0, shown_at: None, sample_ms: None };
             match self.slots.get_mut(i) {
                 Some(old) => *old = slot,
                 None => self.slots.push(slot),
@@ -174,7 +180,7 @@ impl Worker {
         let pass = self.context.gate.enter(task, OnLease::Stop)?;
         let key = self.slots[slot].key;
         let film = if scale == 1 { self.store.take(&key) } else { Arc::new(coarse_film(&key, scale)) };
-        let (film, ms) = add(film, request, &key, task);
+        let (film, ms) = add(film, request, slot, task);
         drop(pass);
         let Some(ms) = ms else {
             if scale == 1 {
@@ -187,7 +193,10 @@ impl Worker {
         if scale == 1 {
             self.store.put(key, film);
             if self.is_due(slot, request) {
-                self.show_film(slot, request);
+                // Two pictures that are the same for every tree share a film.
+                for same in (0..self.slots.len()).filter(|i| self.slots[*i].key == key).collect::<Vec<_>>() {
+                    self.show_film(same, request);
+                }
             }
         } else {
             self.slots[slot].coarse = Some(scale);
@@ -237,19 +246,20 @@ impl Worker {
         let presented = pool.install(|| present(&film, &display));
         let state = &mut self.slots[slot];
         state.shown_at = Some(Instant::now());
-        let frame = Frame { slot, key: state.key, scale, film, presented, sample_ms: state.sample_ms };
-        self.shared.lock().frames[slot] = Some(frame);
+        let (slot, key, sample_ms) = (state.number, state.key, state.sample_ms);
+        self.shared.lock().frames[slot] = Some(Frame { slot, key, scale, film, presented, sample_ms });
         self.context.wake();
     }
 }
 
 /// Adds a sample; the time it took, or `None` if it was cancelled and the film is as before.
-fn add(mut film: Arc<Film>, request: &RenderRequest, key: &FilmKey, task: &Task) -> (Arc<Film>, Option<f64>) {
+fn add(mut film: Arc<Film>, request: &RenderRequest, slot: usize, task: &Task) -> (Arc<Film>, Option<f64>) {
+    let WantedPicture { key, world, .. } = &request.pictures[slot];
     let settings = RenderSettings { width: film.width, height: film.height, ..request.settings };
     let start = Instant::now();
     // Copies the film if the window still shows it.
     let target = Arc::make_mut(&mut film);
-    let done = add_sample(target, &request.world, &key.camera, &settings, task).is_ok();
+    let done = add_sample(target, world, &key.camera, &settings, task).is_ok();
     (film, done.then(|| start.elapsed().as_secs_f64() * 1e3))
 }
 

@@ -64,7 +64,7 @@ impl SweepPanel {
             return;
         }
         stale(ui, view);
-        let chosen = self.plot.ui(ui, view);
+        let chosen = self.plot.ui(ui, view, commands);
         let listed = self.table.ui(ui, view, &self.plot.front(&sweep.points));
         if let Some(config) = chosen.or(listed) {
             load(config, commands);

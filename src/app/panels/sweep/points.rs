@@ -138,12 +138,12 @@ fn cell(ui: &mut Ui, view: &AppView, column: &Column, point: &SweepPoint, on_fro
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::inspect::stats::tests::example;
+    use crate::inspect::stats::TreeStats;
 
     #[test]
     fn rows_are_sorted_both_ways_and_what_is_missing_comes_last() {
         let point = |name: &str, cost| {
-            let mut stats = example(name);
+            let mut stats = TreeStats::example(name);
             stats.rays.ray_cost_mean = cost;
             SweepPoint::of(&stats)
         };

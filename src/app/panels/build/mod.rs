@@ -1,32 +1,27 @@
 //! Which tree is built, and how the build went.
 
-use std::time::Duration;
+mod report;
+mod summary;
 
-use egui::{DragValue, Frame, Label, Margin, RichText, Slider, Ui};
-use egui_plot::{Line, PlotPoints, Points};
+use egui::{DragValue, Slider, Ui};
 
 use crate::accel::{Block, BuildConfig, Builder, Improver, Layout, Morton, StopRule, Widen, Width};
 use crate::app::commands::{Command, Commands};
 use crate::app::theme::Palette;
-use crate::app::view::{AppView, HistoryEntry};
-use crate::inspect::columns::Better;
-use crate::world::World;
+use crate::app::view::AppView;
 
 use super::PanelKind;
-use super::chart::{Axis, Chart};
 use super::glossary::Term;
 use super::history::History;
-use super::numbers;
-use super::widgets::{self, Figure};
+use super::widgets;
+
+pub use summary::summary;
 
 /// As far as the sliders of the improver go; flags and sessions go further.
 const MANY_ROUNDS: usize = 100;
 const SMALL_SHARE: f32 = 0.01;
 /// As far as the slider goes; the flag and sessions go further.
 const MUCH_PRE_SPLIT: f32 = 1.0;
-
-/// A build that takes longer shows its progress.
-const SLOW: Duration = Duration::from_millis(200);
 
 /// View state of the Build panel.
 #[derive(Default)]
@@ -48,8 +43,8 @@ impl BuildPanel {
             self.sliders(ui, &config, view.palette, commands);
         });
         costs(ui, &config, commands);
-        status(ui, view, commands);
-        report(ui, view);
+        report::status(ui, view, commands);
+        report::report(ui, view, commands);
         self.history.ui(ui, view, commands);
     }
 
@@ -257,255 +252,4 @@ fn costs(ui: &mut Ui, config: &BuildConfig, commands: &mut Commands) {
 
 fn cost_field(cost: &mut f32) -> DragValue<'_> {
     DragValue::new(cost).range(0.01..=BuildConfig::MAX_COST).speed(0.02).max_decimals(2)
-}
-
-/// What runs now, or what the tree in the viewport was built with where that is not what is set.
-fn status(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
-    if let Some(job) = view.building.as_ref().filter(|job| job.elapsed >= SLOW) {
-        ui.add_space(4.0);
-        if widgets::progress(ui, view.palette, job, "Cancel") {
-            commands.push(Command::CancelBuild);
-        }
-    } else if let Some(world) = view.world
-        && view.building.is_none()
-        && world.report.config != *view.session.build()
-    {
-        let text = format!("The tree that is shown was built with: {}.", summary(&world.report.config));
-        widgets::notice(ui, view.palette.warning, text);
-    }
-}
-
-/// Settings in a few words, as in `binned 16 · leaf 2 · width 4 split`.
-pub fn summary(config: &BuildConfig) -> String {
-    let mut text = config.builder.name().to_owned();
-    if config.builder.uses_bins() {
-        text += &format!(" {}", config.bins);
-    }
-    if config.builder == Builder::Ploc {
-        text += &format!(" {}", config.radius);
-    }
-    if config.builder.uses_morton() && config.morton != Morton::default() {
-        text += &format!(" · {} bits", config.morton.name());
-    }
-    if config.builder == Builder::Spatial {
-        let default = BuildConfig::default();
-        if config.split_alpha != default.split_alpha {
-            text += &format!(" · alpha {:.1e}", config.split_alpha);
-        }
-        if config.split_budget != default.split_budget {
-            text += &format!(" · budget {}", config.split_budget);
-        }
-    }
-    if config.pre_split > 0.0 {
-        text += &format!(" · pre-split {}", config.pre_split);
-    }
-    text += &format!(" · leaf {}", config.leaf_limit());
-    if config.block != Block::default() {
-        text += &format!(" · blocks of {}", config.block.name());
-    }
-    text += &match config.width {
-        Width::W2 => " · binary".to_owned(),
-        width => format!(" · {}-wide {}", width.name(), config.widen.name()),
-    };
-    if config.layout == Layout::Compressed {
-        text += " · compressed";
-    }
-    if config.improver != Improver::None {
-        text += &format!(" · {} {}", config.improver.name(), config.rounds);
-    }
-    if config.improver == Improver::Reinsertion {
-        text += &format!(" x {}", config.share);
-    }
-    if config.stop != StopRule::Limit && !config.is_optimal() && config.builder.weighs_cost() {
-        text += &format!(" · stop {}", config.stop.name());
-    }
-    let costs = (config.traversal_cost, config.intersection_cost);
-    if costs != (1.0, 1.0) {
-        text += &format!(" · costs {} {}", costs.0, costs.1);
-    }
-    text
-}
-
-fn report(ui: &mut Ui, view: &AppView) {
-    widgets::section(ui, "Report");
-    let Some(world) = view.world else {
-        widgets::caption(ui, view.palette, "No tree has been built yet.");
-        return;
-    };
-    let before = before(view.history);
-    let change = |now: Option<f64>, was: fn(&HistoryEntry) -> Option<f64>| (now, before.and_then(was));
-    let figure = |term, value, (now, was): (Option<f64>, Option<f64>), better| {
-        Figure::new(term, value).unit("").change(now, was, better)
-    };
-    let figures = &world.figures;
-    let report = &world.report;
-    let sah = figures.sah_cost.map(|c| c.total());
-    let (bytes, bytes_unit) = numbers::bytes(world.bytes());
-    let threads = format!("{} threads, {} instructions.", report.threads, world.simd_level().name());
-    let p = view.palette;
-    figure(
-        Term::BuildTime,
-        numbers::decimal(report.build_ms, 2),
-        change(Some(report.build_ms), |e| Some(e.build_ms)),
-        Better::Lower,
-    )
-    .unit("ms")
-    .note(threads)
-    .show(ui, p);
-    phases(ui, view, world);
-    rounds(ui, view.palette, world);
-    figure(Term::SahCost, numbers::decimal(sah, 2), change(sah, |e| e.sah_cost), Better::Lower).show(ui, p);
-    let visited = view.rays.and_then(|r| r.nodes_visited_mean);
-    figure(
-        Term::NodesVisited,
-        numbers::decimal(visited, 2),
-        change(visited, |e| e.nodes_visited_mean),
-        Better::Lower,
-    )
-    .show(ui, p);
-    let nodes = Some(figures.node_count as f64);
-    figure(
-        Term::Nodes,
-        numbers::count(figures.node_count),
-        change(nodes, |e| Some(e.node_count as f64)),
-        Better::Lower,
-    )
-    .show(ui, p);
-    let leaves = Some(figures.leaf_count as f64);
-    figure(
-        Term::Leaves,
-        numbers::count(figures.leaf_count),
-        change(leaves, |e| Some(e.leaf_count as f64)),
-        Better::Neither,
-    )
-    .show(ui, p);
-    let references = numbers::count(figures.reference_count);
-    Figure::new(Term::References, references).unit("").change(None, None, Better::Neither).show(ui, p);
-    let deepest = figures.depth_max.map(f64::from);
-    figure(
-        Term::DepthMax,
-        numbers::decimal(deepest, 0),
-        change(deepest, |e| e.depth_max.map(f64::from)),
-        Better::Lower,
-    )
-    .show(ui, p);
-    figure(
-        Term::DepthMean,
-        numbers::decimal(figures.depth_mean, 2),
-        change(figures.depth_mean, |e| e.depth_mean),
-        Better::Lower,
-    )
-    .show(ui, p);
-    figure(Term::Bytes, bytes, change(Some(world.bytes() as f64), |e| Some(e.bytes as f64)), Better::Lower)
-        .unit(bytes_unit)
-        .show(ui, p);
-}
-
-/// The build time's parts, in a line.
-fn phases(ui: &mut Ui, view: &AppView, world: &World) {
-    let parts: Vec<String> = world
-        .report
-        .phases
-        .iter()
-        .map(|phase| format!("{} {}", phase.name, numbers::decimal(phase.ms, 2)))
-        .collect();
-    let text = RichText::new(parts.join(" · ")).small().color(view.palette.muted);
-    Frame::NONE.inner_margin(Margin { left: 12, ..Margin::ZERO }).show(ui, |ui| {
-        ui.add(Label::new(text).wrap()).on_hover_text(Term::BuildPhase.text());
-    });
-}
-
-/// What each round of the improver made of the tree.
-fn rounds(ui: &mut Ui, palette: &Palette, world: &World) {
-    let costs: Vec<f64> = world.report.rounds.iter().map_while(|cost| *cost).collect();
-    let [first, .., last] = costs[..] else { return };
-    let count = costs.len() - 1;
-    widgets::row(ui, Term::RoundCosts, |ui| {
-        let rounds = if count == 1 { "round" } else { "rounds" };
-        let text = format!("{:.2} % less in {count} {rounds}", 100.0 * (1.0 - last / first));
-        ui.label(RichText::new(text).small().color(palette.muted));
-    });
-    let chart = Chart {
-        label: Term::RoundCosts.label(),
-        height: 96.0,
-        x: Axis::integers(0.0, count as f64, 8).labelled("rounds"),
-        y: Axis::around(costs.iter().copied()),
-        clickable: false,
-    };
-    let points: Vec<[f64; 2]> = costs.iter().enumerate().map(|(i, cost)| [i as f64, *cost]).collect();
-    let color = palette.accent;
-    let shown = chart.show(ui, palette, move |plot| {
-        let line = Line::new("cost", PlotPoints::from(points.clone())).color(color).width(1.5);
-        plot.line(line.allow_hover(false));
-        plot.points(
-            Points::new("rounds", PlotPoints::from(points)).color(color).radius(2.5).allow_hover(false),
-        );
-    });
-    if let Some(hover) = shown.hover {
-        let round = (hover.x.round().max(0.0) as usize).min(count);
-        let cost = numbers::decimal(costs[round], 3);
-        let when =
-            if round == 0 { "before the first round".to_owned() } else { format!("after round {round}") };
-        shown.response.on_hover_text_at_pointer(format!("SAH cost {cost} {when}, of the binary tree"));
-    }
-}
-
-/// The build before the newest one, if it was of the same scene.
-fn before(history: &[HistoryEntry]) -> Option<&HistoryEntry> {
-    let [.., before, newest] = history else { return None };
-    (before.scene == newest.scene).then_some(before)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn entry(number: usize, scene: &str) -> HistoryEntry {
-        HistoryEntry {
-            number,
-            tree: None,
-            config: BuildConfig::default(),
-            scene: scene.to_owned(),
-            build_ms: 1.0,
-            sah_cost: None,
-            nodes_visited_mean: None,
-            node_count: 1,
-            leaf_count: 1,
-            depth_max: None,
-            depth_mean: None,
-            bytes: 1,
-        }
-    }
-
-    #[test]
-    fn a_build_is_held_against_the_one_before_of_the_same_scene() {
-        let history = [entry(1, "a"), entry(2, "a"), entry(3, "b"), entry(4, "b")];
-        assert_eq!(before(&history).map(|e| e.number), Some(3));
-        assert_eq!(before(&history[..3]), None);
-        assert_eq!(before(&history[..1]), None);
-    }
-
-    #[test]
-    fn a_summary_says_what_differs_and_nothing_else() {
-        let config = BuildConfig::default();
-        assert_eq!(summary(&config), "binned 16 · leaf 2 · 8-wide split");
-        let config =
-            BuildConfig { builder: Builder::Sweep, width: Width::W4, widen: Widen::Collapse, ..config };
-        assert_eq!(summary(&config), "sweep · leaf 2 · 4-wide collapse");
-        let config = BuildConfig {
-            improver: Improver::Reinsertion,
-            width: Width::W4,
-            widen: Widen::Optimal,
-            stop: StopRule::Cost,
-            ..BuildConfig::default()
-        };
-        assert_eq!(summary(&config), "binned 16 · leaf 2 · 4-wide optimal · reinsertion 10 x 0.1");
-        let config = BuildConfig {
-            width: Width::W2,
-            stop: StopRule::Cost,
-            traversal_cost: 1.5,
-            ..BuildConfig::default()
-        };
-        assert_eq!(summary(&config), "binned 16 · leaf 2 · binary · stop cost · costs 1.5 1");
-    }
 }

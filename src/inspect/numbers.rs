@@ -1,10 +1,10 @@
-//! How panels write numbers: thousands separators, fixed decimals so that columns align, a dash for what is undefined.
+//! How numbers are written for people: thousands separators, fixed decimals so that columns align, a dash for what is undefined.
 
 use std::time::Duration;
 
-use crate::inspect::columns::grouped;
+use super::columns::grouped;
 
-pub use crate::inspect::columns::DASH;
+pub use super::columns::DASH;
 
 /// A whole number with separators, as in `4,977`.
 pub fn count(n: impl TryInto<u64>) -> String {

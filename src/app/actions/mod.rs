@@ -1,0 +1,546 @@
+//! The one list of what a user can ask for. Menus, keys, the page of shortcuts and the command palette are made from it.
+//!
+//! A new action is a variant, its place in [`Action::PLAIN`] (or a family in [`Action::all`]), an arm in
+//! [`Action::info`] and one in [`Action::command`]. What it does stays in `apply`: an action only names a [`Command`].
+
+mod info;
+
+use egui::{Key, KeyboardShortcut, Modifiers};
+
+use super::commands::{Asked, Command, Hide};
+use super::inspection::RayView;
+use super::layout::{Layout, Pane};
+use super::panels::PanelKind;
+use super::selection::Go;
+use super::undo::Undo;
+use super::view::AppView;
+use crate::accel::Builder;
+use crate::render::{ColorMap, View, ViewClass};
+use crate::scene::SceneRef;
+use crate::scene::builtin::SCENES;
+
+pub use info::{Group, Info};
+
+/// What actions look at: the state of the program, never changed by them.
+pub struct Around<'a> {
+    pub view: &'a AppView<'a>,
+    pub layout: &'a Layout,
+    pub undo: &'a Undo,
+    /// What was shown last time is shown again at the next start.
+    pub reopens: bool,
+}
+
+/// Something that a user can ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    Open,
+    ImportTree,
+    SaveSession,
+    Export,
+    Quit,
+    Undo,
+    Redo,
+    CopyCamera,
+    PasteCamera,
+    FrameSelection,
+    FrameScene,
+    ResetCamera,
+    AddBookmark,
+    GoUp,
+    GoDown,
+    GoBack,
+    GoForward,
+    Deselect,
+    HideSelection,
+    ShowSelectionOnly,
+    ShowAll,
+    NextRay,
+    PreviousRay,
+    StepOn,
+    StepBack,
+    Pause,
+    Boxes,
+    Animate,
+    EndComparison,
+    FalseShadow,
+    Ground,
+    MeasureTable,
+    Palette,
+    Shortcuts,
+    Dark,
+    Light,
+    ResetLayout,
+    ReopenAtStart,
+    /// By the index in [`SCENES`].
+    OpenBuiltin(usize),
+    /// By the index in the recent scenes, the newest first.
+    OpenRecent(usize),
+    /// By the index in the session's bookmarks.
+    GoToBookmark(usize),
+    ShowView(View),
+    UseBuilder(Builder),
+    UseColors(ColorMap),
+    ShowPanel(PanelKind),
+}
+
+/// Keys in a row, for the first of a family.
+const DIGITS: [Key; 10] = [
+    Key::Num1,
+    Key::Num2,
+    Key::Num3,
+    Key::Num4,
+    Key::Num5,
+    Key::Num6,
+    Key::Num7,
+    Key::Num8,
+    Key::Num9,
+    Key::Num0,
+];
+
+/// Bookmarks that have a key.
+const BOOKMARK_KEYS: usize = 9;
+
+const fn plain(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::NONE, key)
+}
+
+const fn ctrl(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND, key)
+}
+
+const fn shift(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::SHIFT, key)
+}
+
+const fn alt(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::ALT, key)
+}
+
+const fn ctrl_shift(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key)
+}
+
+impl Action {
+    /// Those that are there once, in the order of menus and lists.
+    pub const PLAIN: [Self; 38] = [
+        Self::Open,
+        Self::ImportTree,
+        Self::SaveSession,
+        Self::Export,
+        Self::Quit,
+        Self::Undo,
+        Self::Redo,
+        Self::CopyCamera,
+        Self::PasteCamera,
+        Self::FrameSelection,
+        Self::FrameScene,
+        Self::ResetCamera,
+        Self::AddBookmark,
+        Self::GoUp,
+        Self::GoDown,
+        Self::GoBack,
+        Self::GoForward,
+        Self::Deselect,
+        Self::HideSelection,
+        Self::ShowSelectionOnly,
+        Self::ShowAll,
+        Self::NextRay,
+        Self::PreviousRay,
+        Self::StepOn,
+        Self::StepBack,
+        Self::Pause,
+        Self::Boxes,
+        Self::Animate,
+        Self::EndComparison,
+        Self::FalseShadow,
+        Self::Ground,
+        Self::MeasureTable,
+        Self::Palette,
+        Self::Shortcuts,
+        Self::Dark,
+        Self::Light,
+        Self::ResetLayout,
+        Self::ReopenAtStart,
+    ];
+
+    /// Every action that there is now.
+    pub fn all(around: &Around) -> Vec<Self> {
+        let mut all = Self::PLAIN.to_vec();
+        all.extend(View::ALL.map(Self::ShowView));
+        all.extend((0..around.view.session.bookmarks.len()).map(Self::GoToBookmark));
+        all.extend(Builder::ALL.map(Self::UseBuilder));
+        all.extend(ColorMap::ALL.map(Self::UseColors));
+        all.extend(PanelKind::ALL.map(Self::ShowPanel));
+        all.extend((0..SCENES.len()).map(Self::OpenBuiltin));
+        all.extend((0..around.view.recent.len()).map(Self::OpenRecent));
+        all
+    }
+
+    /// What menus and lists show of it.
+    pub fn info(self, around: &Around) -> Info {
+        use Group::{Camera, Edit, File, Picture, Rays, Select, Tree, Window};
+        let Around { view, layout, undo, reopens } = around;
+        let session = view.session;
+        let loaded = view.scene.is_some();
+        let nothing = "Nothing is open yet";
+        let (selected, unselected) = (view.selections.current().is_some(), "Nothing is selected");
+        let (has_rays, no_rays) = (view.inspection.found.is_some(), "No pixel's rays are looked at");
+        match self {
+            Self::Open => Info::new(
+                File,
+                "Open…",
+                "A model (OBJ, PLY, STL, glTF), a session, or a PNG that carries one",
+            )
+            .key(ctrl(Key::O)),
+            Self::ImportTree => Info::new(
+                File,
+                "Import tree…",
+                "A tree that another program built (NPZ, JSON): checked, shown, measured and compared",
+            ),
+            Self::SaveSession => Info::new(
+                File,
+                "Save session…",
+                "Scene, tree, camera, view and all settings, as a small text file",
+            )
+            .key(ctrl(Key::S)),
+            Self::Export => {
+                Info::new(File, "Export…", "Pictures, raw numbers and figures as files").key(ctrl(Key::E))
+            }
+            Self::Quit => Info::new(File, "Quit", "Closes the window").key(ctrl(Key::Q)),
+            Self::Undo => {
+                let what = undo.undo_text();
+                let done = what.is_some();
+                let name = what.map_or_else(|| "Undo".to_owned(), |what| format!("Undo {what}"));
+                Info::new(Edit, name, "Takes the last change of a setting back")
+                    .key(ctrl(Key::Z))
+                    .only_if(done, "No setting was changed since the scene was opened")
+            }
+            Self::Redo => {
+                let what = undo.redo_text();
+                let undone = what.is_some();
+                let name = what.map_or_else(|| "Redo".to_owned(), |what| format!("Redo {what}"));
+                Info::new(Edit, name, "Makes the change again that was taken back last")
+                    .key(ctrl_shift(Key::Z))
+                    .key(ctrl(Key::Y))
+                    .only_if(undone, "Nothing was undone")
+            }
+            Self::CopyCamera => Info::new(Edit, "Copy camera", "The camera as text, as --camera takes it")
+                .key(ctrl_shift(Key::C))
+                .only_if(loaded, nothing),
+            Self::PasteCamera => {
+                Info::new(Edit, "Paste camera", "Looks through a camera that was copied as text")
+                    .key(ctrl_shift(Key::V))
+                    .only_if(loaded, nothing)
+            }
+            Self::FrameSelection => Info::new(
+                Camera,
+                "Frame selection",
+                "Moves the camera so that what is selected is seen; the whole scene if nothing is",
+            )
+            .key(plain(Key::F))
+            .only_if(loaded, nothing),
+            Self::FrameScene => {
+                Info::new(Camera, "Frame scene", "Moves the camera so that the whole scene is seen")
+                    .key(shift(Key::F))
+                    .only_if(loaded, nothing)
+            }
+            Self::GoUp => {
+                Info::new(Select, "Up to the parent", "Selects the node above the one that was selected last")
+                    .key(plain(Key::OpenBracket))
+                    .only_if(selected, unselected)
+            }
+            Self::GoDown => Info::new(Select, "Down again", "Towards the node from which one came up")
+                .key(plain(Key::CloseBracket))
+                .only_if(selected, unselected),
+            Self::GoBack => Info::new(Select, "Back", "To what was selected before")
+                .key(alt(Key::ArrowLeft))
+                .only_if(view.selections.can_go_back(), "Nothing was selected before"),
+            Self::GoForward => Info::new(Select, "Forward", "To what was selected after")
+                .key(alt(Key::ArrowRight))
+                .only_if(view.selections.can_go_forward(), "Nothing was selected after"),
+            Self::Deselect => Info::new(Select, "Deselect", "Selects nothing")
+                .key(plain(Key::Escape))
+                .only_if(selected, unselected),
+            Self::HideSelection => {
+                Info::new(Select, "Hide", "Does not draw the shapes below what is selected, nor their boxes")
+                    .key(plain(Key::H))
+                    .only_if(selected, unselected)
+            }
+            Self::ShowSelectionOnly => {
+                Info::new(Select, "Show only this", "Hides all shapes but those below what is selected")
+                    .key(plain(Key::O))
+                    .only_if(selected, unselected)
+            }
+            Self::ShowAll => Info::new(Select, "Show all", "Draws all shapes again")
+                .key(plain(Key::J))
+                .only_if(!view.hidden.is_empty(), "Nothing is hidden"),
+            Self::NextRay => Info::new(Rays, "Next ray", "The next ray of the pixel in the panel Rays")
+                .key(plain(Key::N))
+                .only_if(has_rays, no_rays),
+            Self::PreviousRay => {
+                Info::new(Rays, "Previous ray", "The ray before of the pixel in the panel Rays")
+                    .key(shift(Key::N))
+                    .only_if(has_rays, no_rays)
+            }
+            Self::StepOn => Info::new(Rays, "Step forward", "One more step of the chosen ray")
+                .key(plain(Key::Period))
+                .only_if(has_rays, no_rays),
+            Self::StepBack => Info::new(Rays, "Step back", "One step less of the chosen ray")
+                .key(plain(Key::Comma))
+                .only_if(has_rays, no_rays),
+            Self::ResetCamera => Info::new(Camera, "Reset camera", "Back to the scene's own camera")
+                .key(plain(Key::R))
+                .only_if(loaded, nothing),
+            Self::AddBookmark => Info::new(Camera, "Add bookmark", "Keeps this camera with the session")
+                .key(ctrl(Key::B))
+                .only_if(loaded, nothing),
+            Self::Pause => Info::new(Picture, "Pause", "Stops rendering, or goes on")
+                .key(plain(Key::P))
+                .key(plain(Key::Space))
+                .on(view.render.paused),
+            Self::Boxes => Info::new(Picture, "Boxes", "The boxes of the tree over the picture")
+                .key(plain(Key::B))
+                .on(session.overlay.depths.is_some()),
+            Self::Animate => {
+                Info::new(Picture, "Animate", "Lets the scene move; the tree is built anew for each moment")
+                    .key(plain(Key::T))
+                    .only_if(
+                        view.scene.is_some_and(|scene| scene.is_animated()),
+                        "Nothing moves in this scene",
+                    )
+                    .on(view.animating)
+            }
+            Self::EndComparison => Info::new(Picture, "End comparison", "Back from two views to one")
+                .key(plain(Key::C))
+                .only_if(view.compare.is_some(), "One view is shown"),
+            Self::FalseShadow => Info::new(
+                Picture,
+                "Show the false shadow",
+                "What an early-out shadow query gets wrong, in the default scene",
+            ),
+            Self::Ground => {
+                Info::new(Picture, "Ground", "A plane under the scene, outside every tree and figure")
+                    .on(session.ground)
+            }
+            Self::MeasureTable => Info::new(
+                Tree,
+                "Measure the five trees",
+                "The classic trees side by side on this scene and view",
+            )
+            .only_if(loaded, nothing),
+            Self::Palette => {
+                Info::new(Window, "Commands…", "Every action, found by what it is called").key(ctrl(Key::P))
+            }
+            Self::Shortcuts => Info::new(Window, "Shortcuts", "The page of keys").key(plain(Key::F1)),
+            Self::Dark => Info::new(Window, "Dark", "Light text on dark ground").on(view.palette.dark),
+            Self::Light => Info::new(Window, "Light", "Dark text on light ground").on(!view.palette.dark),
+            Self::ResetLayout => {
+                Info::new(Window, "Reset layout", "All panels back to where they were at the first start")
+            }
+            Self::ReopenAtStart => Info::new(
+                File,
+                "Reopen last session at start",
+                "Starts with what was shown last time, if nothing is named to open",
+            )
+            .on(*reopens),
+            Self::OpenBuiltin(index) => {
+                let (name, about) = SCENES[index];
+                Info::new(File, format!("Open scene {name}"), about)
+            }
+            Self::OpenRecent(index) => {
+                let scene = view.recent.get(index);
+                let name = scene.map_or_else(String::new, super::jobs::load::short_name);
+                let about = scene.map_or_else(String::new, SceneRef::text);
+                Info::new(File, format!("Open recent {name}"), about)
+            }
+            Self::GoToBookmark(index) => {
+                let name = session.bookmarks.get(index).map_or("", |bookmark| bookmark.name.as_str());
+                let info =
+                    Info::new(Camera, format!("Go to {name}"), "Looks through the camera of this bookmark")
+                        .only_if(loaded, nothing);
+                if index < BOOKMARK_KEYS { info.key(ctrl(DIGITS[index])) } else { info }
+            }
+            Self::ShowView(shown) => {
+                let info = Info::new(Picture, format!("View {}", title(shown)), shown.description())
+                    .on(session.view == shown);
+                let place = View::ALL.iter().position(|other| *other == shown);
+                match place.and_then(|place| DIGITS.get(place)) {
+                    Some(key) => info.key(plain(*key)),
+                    None => info,
+                }
+            }
+            Self::UseBuilder(builder) => {
+                Info::new(Tree, format!("Builder {}", builder.name()), builder.description())
+                    .on(session.build().builder == builder)
+            }
+            Self::UseColors(map) => {
+                Info::new(Picture, format!("Colour map {}", map.name()), map.description())
+                    .on(session.display.colormap == map)
+            }
+            Self::ShowPanel(kind) => {
+                Info::new(Window, format!("Panel {}", kind.title()), Pane::Panel(kind).about())
+                    .on(layout.is_open(kind))
+            }
+        }
+    }
+
+    /// What it asks for, as things stand.
+    pub fn command(self, around: &Around) -> Command {
+        let Around { view, .. } = around;
+        match self {
+            Self::Open => Command::AskOpen,
+            Self::ImportTree => Command::AskImport,
+            Self::SaveSession => super::menu::ask_save_session(view),
+            Self::Export => Command::ShowPanel { panel: PanelKind::Export, shown: true },
+            Self::Quit => Command::Ask(Asked::Quit),
+            Self::Undo => Command::Ask(Asked::Undo),
+            Self::Redo => Command::Ask(Asked::Redo),
+            Self::CopyCamera => Command::Ask(Asked::CopyCamera),
+            Self::PasteCamera => Command::Ask(Asked::PasteCamera),
+            Self::FrameSelection => Command::FrameSelection,
+            Self::FrameScene => Command::FrameScene,
+            Self::GoUp => Command::GoSelection(Go::Up),
+            Self::GoDown => Command::GoSelection(Go::Down),
+            Self::GoBack => Command::GoSelection(Go::Back),
+            Self::GoForward => Command::GoSelection(Go::Forward),
+            Self::Deselect => Command::ClearSelection,
+            Self::HideSelection => Command::Hide(Hide::Selected),
+            Self::ShowSelectionOnly => Command::Hide(Hide::Others),
+            Self::ShowAll => Command::Hide(Hide::Nothing),
+            Self::NextRay => Command::StepRay { forward: true },
+            Self::PreviousRay => Command::StepRay { forward: false },
+            Self::StepOn => step_to(view, |step, count| (step + 1).min(count)),
+            Self::StepBack => step_to(view, |step, _| step.saturating_sub(1)),
+            Self::ResetCamera => Command::ResetCamera,
+            Self::AddBookmark => Command::Ask(Asked::AddBookmark),
+            Self::Pause => Command::SetPaused(!view.render.paused),
+            Self::Boxes => toggle_boxes(),
+            Self::Animate => Command::SetAnimating(!view.animating),
+            Self::EndComparison => Command::SetCompareViews(None),
+            Self::FalseShadow => Command::ShadowPreset,
+            Self::Ground => Command::Edit(Box::new(|session| session.ground = !session.ground)),
+            Self::MeasureTable => Command::Ask(Asked::MeasureTable),
+            Self::Palette => Command::Ask(Asked::Palette),
+            Self::Shortcuts => Command::Ask(Asked::Shortcuts),
+            Self::Dark => Command::SetDark(true),
+            Self::Light => Command::SetDark(false),
+            Self::ResetLayout => Command::ResetLayout,
+            Self::ReopenAtStart => Command::Ask(Asked::ReopenAtStart(!around.reopens)),
+            Self::OpenBuiltin(index) => Command::OpenScene(SceneRef::Builtin(SCENES[index].0.to_owned())),
+            // The list may have become shorter meanwhile; then what is open is opened again.
+            Self::OpenRecent(index) => {
+                Command::OpenScene(view.recent.get(index).unwrap_or(&view.session.scene.reference).clone())
+            }
+            Self::GoToBookmark(index) => {
+                Command::Edit(Box::new(move |session| session.go_to_bookmark(index)))
+            }
+            Self::ShowView(shown) => show_view(shown),
+            Self::UseBuilder(builder) => Command::Edit(Box::new(move |session| {
+                session.set_tree(None);
+                session.build_mut().builder = builder;
+            })),
+            Self::UseColors(map) => Command::Edit(Box::new(move |session| session.display.colormap = map)),
+            Self::ShowPanel(panel) => Command::ShowPanel { panel, shown: !around.layout.is_showing(panel) },
+        }
+    }
+}
+
+/// Another step of the ray that is looked at.
+fn step_to(view: &AppView, next: fn(usize, usize) -> usize) -> Command {
+    let (step, count) = view.inspection.step();
+    let ray_view = RayView { step: next(step, count), playing: false, ..view.inspection.view };
+    Command::SetRayView(ray_view)
+}
+
+/// Boxes on, as they were, or off.
+pub fn toggle_boxes() -> Command {
+    Command::Edit(Box::new(|session| {
+        session.overlay.depths = match session.overlay.depths {
+            Some(_) => None,
+            None => Some(super::DEFAULT_BOXES),
+        };
+    }))
+}
+
+/// One view in the viewport.
+pub fn show_view(view: View) -> Command {
+    Command::Edit(Box::new(move |session| session.view = view))
+}
+
+/// A view's name for people.
+pub fn title(view: View) -> String {
+    let name = view.name().replace('-', " ");
+    match view.class() {
+        ViewClass::Heat => format!("{name} (heatmap)"),
+        ViewClass::Radiance | ViewClass::Data | ViewClass::Distance | ViewClass::Leaf | ViewClass::Class => {
+            name
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::state::State;
+    use crate::session::Session;
+
+    /// The actions of a program with bookmarks and recent scenes.
+    fn with_all(check: impl FnOnce(&Around)) {
+        let mut session = Session::default();
+        for _ in 0..12 {
+            session.add_bookmark(crate::scene::Camera::default()).expect("room");
+        }
+        let mut state = State::new(session, true);
+        state.remember_recent(&SceneRef::File("/models/sponza.obj".into()));
+        let (layout, undo) = (Layout::default(), Undo::default());
+        check(&Around { view: &state.view(), layout: &layout, undo: &undo, reopens: true });
+    }
+
+    #[test]
+    fn every_action_says_what_it_is_and_no_two_are_called_the_same() {
+        with_all(|around| {
+            let mut names: Vec<String> = Vec::new();
+            for action in Action::all(around) {
+                let info = action.info(around);
+                assert!(!info.name.is_empty() && !info.about.is_empty(), "{action:?}");
+                assert!(!info.about.ends_with('.'), "{action:?}: sentences of the list have no full stop");
+                let name = info.full_name();
+                assert!(!names.contains(&name), "{name} twice");
+                names.push(name);
+            }
+            assert!(names.len() > 60, "{}", names.len());
+        });
+    }
+
+    #[test]
+    fn no_two_actions_share_a_key_and_none_is_one_of_text_fields() {
+        with_all(|around| {
+            let mut keys = Vec::new();
+            for action in Action::all(around) {
+                for key in action.info(around).keys {
+                    assert!(!keys.contains(&key), "{action:?} takes a key that is taken: {key:?}");
+                    keys.push(key);
+                }
+            }
+            for key in [Key::C, Key::V, Key::X, Key::A] {
+                assert!(!keys.contains(&ctrl(key)), "Ctrl+{} belongs to text fields", key.name());
+            }
+            assert_eq!(
+                keys.iter()
+                    .filter(|key| key.modifiers == Modifiers::COMMAND && DIGITS.contains(&key.logical_key))
+                    .count(),
+                9
+            );
+        });
+    }
+
+    #[test]
+    fn what_needs_a_scene_says_so_while_there_is_none() {
+        with_all(|around| {
+            for action in [Action::FrameScene, Action::CopyCamera, Action::Animate, Action::Undo] {
+                assert!(action.info(around).obstacle.is_some(), "{action:?}");
+            }
+            assert!(Action::Open.info(around).obstacle.is_none());
+        });
+    }
+}
