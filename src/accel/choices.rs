@@ -355,6 +355,34 @@ impl Improver {
     }
 }
 
+/// What becomes of a tree when the scene moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Update {
+    #[default]
+    Rebuild,
+    Refit,
+}
+
+impl Update {
+    pub const ALL: [Self; 2] = [Self::Rebuild, Self::Refit];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rebuild => "rebuild",
+            Self::Refit => "refit",
+        }
+    }
+
+    /// One line for lists and tooltips.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Rebuild => "every moment of a moving scene gets a tree of its own",
+            Self::Refit => "the tree of t = 0 stays, and its boxes are fitted to where the shapes have moved",
+        }
+    }
+}
+
 /// Bits of a Morton code: a third of them an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(try_from = "usize", into = "usize")]

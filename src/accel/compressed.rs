@@ -288,6 +288,10 @@ impl Nodes for CompressedBvh {
         self.bounds
     }
 
+    fn depth_max(&self) -> u32 {
+        self.depth_max
+    }
+
     fn inner_count(&self) -> usize {
         self.nodes.len()
     }

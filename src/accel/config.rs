@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::compressed::CompressedBvh;
 use super::simd::SimdLevel;
 
-pub use super::choices::{Block, Builder, Improver, Layout, Morton, StopRule, Widen, Width};
+pub use super::choices::{Block, Builder, Improver, Layout, Morton, StopRule, Update, Widen, Width};
 
 /// Everything that decides which tree is built over given boxes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,6 +41,8 @@ pub struct BuildConfig {
     /// Which share of all nodes a round of reinsertion moves, those with the largest areas; from
     /// [`BuildConfig::MIN_SHARE`] to 1.
     pub share: f32,
+    /// What becomes of the tree when the scene moves. Boxes alone know nothing of time: a world heeds it.
+    pub update: Update,
     /// C_t of the SAH cost: the price of visiting a node.
     pub traversal_cost: f32,
     /// C_i of the SAH cost: the price of testing a shape.
@@ -68,6 +70,7 @@ impl Default for BuildConfig {
             improver: Improver::default(),
             rounds: 10,
             share: 0.1,
+            update: Update::default(),
             traversal_cost: 1.0,
             intersection_cost: 1.0,
             simd: SimdLevel::default(),

@@ -22,9 +22,10 @@ pub use build::{BuildPhase, BuildReport, Shapes, build, build_over, build_watche
 pub use bvh2::{Bvh2, Bvh2Node};
 pub use compressed::CompressedBvh;
 pub use config::{
-    Block, BuildConfig, Builder, ConfigError, Improver, Layout, Morton, StopRule, Widen, Width,
+    Block, BuildConfig, Builder, ConfigError, Improver, Layout, Morton, StopRule, Update, Widen, Width,
 };
 pub use exchange::{FormError, RawTree};
 pub use family::Family;
+pub use optimize::refit;
 pub use traverse::{LeafIntersector, Probe, RayCounters};
 pub use tree::{ChildRef, NodeId, NodeKind, NodeView, Nodes, Tree, WideBvh};

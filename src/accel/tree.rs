@@ -179,6 +179,9 @@ pub trait Nodes: Sync {
 
     fn bounds(&self) -> Aabb;
 
+    /// Of the deepest leaf; the root is at depth 0.
+    fn depth_max(&self) -> u32;
+
     fn inner_count(&self) -> usize;
 
     fn leaf_count(&self) -> usize;
@@ -239,6 +242,10 @@ impl<const N: usize> Nodes for WideBvh<N> {
 
     fn bounds(&self) -> Aabb {
         self.bounds
+    }
+
+    fn depth_max(&self) -> u32 {
+        self.depth_max
     }
 
     fn inner_count(&self) -> usize {

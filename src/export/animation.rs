@@ -179,9 +179,16 @@ impl Filming<'_> {
         session.camera = Some(camera);
         // What does not move needs no new tree.
         let time = if still.is_animated() { session.time } else { 0.0 };
-        let world = match self.world.take().filter(|(of, _)| *of == time) {
-            Some((_, world)) => world,
-            None => World::of(prepare::stage(still, &session), tree, session.build(), &self.task.step())?,
+        let world = match self.world.take() {
+            Some((of, world)) if of == time => world,
+            before => {
+                let scene = prepare::stage(still, &session);
+                let moved = before.map(|(_, before)| before.moved(&scene, &self.task.step())).transpose()?.flatten();
+                match moved {
+                    Some(world) => world,
+                    None => World::of(scene, tree, session.build(), &self.task.step())?,
+                }
+            }
         };
         let film = picture::film(&session, &world, &camera, &self.task.step())?;
         if session.display.range.is_none() {

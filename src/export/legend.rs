@@ -7,7 +7,7 @@ use crate::inspect::shadow_difference::ClassCounts;
 use crate::render::difference::difference_color;
 use crate::render::display::effective_range;
 use crate::render::shadow::ShadowClass;
-use crate::render::{BoxStyle, ColorMap, Film, ViewClass};
+use crate::render::{BoxStyle, ColorMap, ColorScale, DisplaySettings, Film, ViewClass};
 use crate::session::Session;
 use crate::world::World;
 
@@ -37,7 +37,7 @@ pub enum LegendKey {
     /// Colours are colours.
     None,
     /// A colour map over a range.
-    Bar { colormap: ColorMap, range: [f32; 2] },
+    Bar { colormap: ColorMap, scale: ColorScale, range: [f32; 2] },
     /// Differences from `-limit` to `limit`.
     Difference { limit: f32 },
     /// Colours that stand for classes, each with its share of the pixels in its name.
@@ -52,7 +52,10 @@ impl Legend {
             ViewClass::Class => LegendKey::Classes(shadow_classes(film)),
             ViewClass::Heat | ViewClass::Leaf | ViewClass::Distance => {
                 match effective_range(film, &session.display) {
-                    Some(range) => LegendKey::Bar { colormap: session.display.colormap, range },
+                    Some(range) => {
+                        let DisplaySettings { colormap, scale, .. } = session.display;
+                        LegendKey::Bar { colormap, scale, range }
+                    }
                     None => LegendKey::None,
                 }
             }
@@ -82,12 +85,12 @@ impl Legend {
         }
         match &self.key {
             LegendKey::None => {}
-            LegendKey::Bar { colormap, range } => {
-                draw_bar(whole, y, layout, |share| colormap.color(share), *range);
+            LegendKey::Bar { colormap, scale, range } => {
+                draw_bar(whole, y, layout, |share| colormap.color(share), (*scale, *range));
             }
             LegendKey::Difference { limit } => {
                 let color = |share: f32| difference_color(2.0 * share - 1.0);
-                draw_bar(whole, y, layout, color, [-limit, *limit]);
+                draw_bar(whole, y, layout, color, (ColorScale::Linear, [-limit, *limit]));
             }
             LegendKey::Classes(classes) => {
                 for ((name, color), [x, line]) in
@@ -214,7 +217,7 @@ fn draw_bar(
     top: f32,
     layout: &Layout,
     color: impl Fn(f32) -> [u8; 3],
-    range: [f32; 2],
+    (scale, range): (ColorScale, [f32; 2]),
 ) {
     let left = layout.margin;
     let length = (whole.width() as f32 - 2.0 * layout.margin).max(1.0);
@@ -223,7 +226,7 @@ fn draw_bar(
     let mut free = f32::NEG_INFINITY;
     let mut label = |whole: &mut RgbaImage, value: f32, step: f32, end: f32| {
         let name = tick_text(value, step);
-        let share = ((value - range[0]) / (range[1] - range[0]).max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+        let share = scale.place(value, range).clamp(0.0, 1.0);
         let width = text::width(&name, layout.letter);
         let x = (left + share * length - width / 2.0).clamp(left, (left + length - width).max(left));
         if x < free || x + width > end {
@@ -242,8 +245,11 @@ fn draw_bar(
     // The upper end keeps its place; ticks between come as far as they fit.
     let name = tick_text(range[1], step);
     end -= text::width(&name, layout.letter) + layout.letter;
-    for value in ticks(range, step) {
-        label(whole, value, step, end);
+    match scale {
+        ColorScale::Linear => ticks(range, step).into_iter().for_each(|value| _ = label(whole, value, step, end)),
+        ColorScale::Log => {
+            decades(range).for_each(|value| _ = label(whole, value, value.abs().min(step), end));
+        }
     }
     label(whole, range[1], step, f32::INFINITY);
 }
@@ -262,6 +268,16 @@ fn tick_step([low, high]: [f32; 2], count: f32) -> f32 {
 fn ticks([low, high]: [f32; 2], step: f32) -> Vec<f32> {
     let first = (low / step).floor() as i64 + 1;
     (first..first + 100).map(|i| i as f32 * step).take_while(|value| *value < high).collect()
+}
+
+/// 1, 2 and 5 times powers of ten strictly inside the range, of either sign, in order: over the decades of a logarithmic scale
+/// and one more.
+fn decades([low, high]: [f32; 2]) -> impl Iterator<Item = f32> {
+    let top = low.abs().max(high.abs()).max(f32::MIN_POSITIVE).log10().floor() as i32;
+    let sizes = (top - 4..=top).flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * 10f32.powi(power)));
+    let mut values: Vec<f32> = sizes.flat_map(|size| [size, -size]).filter(|v| low < *v && *v < high).collect();
+    values.sort_by(f32::total_cmp);
+    values.into_iter()
 }
 
 /// A number with no more digits than the step between ticks asks for.
@@ -311,7 +327,7 @@ mod tests {
         let picture = RgbaImage::from_fn(320, 180, |x, y| Rgba([x as u8, y as u8, 9, 255]));
         for key in [
             LegendKey::None,
-            LegendKey::Bar { colormap: ColorMap::Greys, range: [0.0, 40.0] },
+            LegendKey::Bar { colormap: ColorMap::Greys, scale: ColorScale::Linear, range: [0.0, 40.0] },
             LegendKey::Difference { limit: 3.0 },
             LegendKey::Classes(vec![("lit".to_owned(), [200, 0, 0]), ("dark".to_owned(), [0, 200, 0])]),
         ] {
@@ -327,7 +343,7 @@ mod tests {
 
     #[test]
     fn the_bar_runs_through_the_colour_map() {
-        let key = LegendKey::Bar { colormap: ColorMap::Greys, range: [0.0, 40.0] };
+        let key = LegendKey::Bar { colormap: ColorMap::Greys, scale: ColorScale::Linear, range: [0.0, 40.0] };
         let whole = legend(key).below(&RgbaImage::new(1280, 10));
         let column = |x: u32| (10..whole.height()).map(|y| whole.get_pixel(x, y).0[0]).max();
         let middle: Vec<_> = (60..70).map(|y| whole.get_pixel(640, y).0).collect();
@@ -341,7 +357,7 @@ mod tests {
     #[test]
     fn tiny_pictures_have_a_legend_too() {
         for (width, range) in [(1, [0.5, 0.5001]), (16, [0.0, 1e9]), (64, [3.0, 3.0])] {
-            let key = LegendKey::Bar { colormap: ColorMap::Greys, range };
+            let key = LegendKey::Bar { colormap: ColorMap::Greys, scale: ColorScale::Linear, range };
             assert_eq!(legend(key).below(&RgbaImage::new(width, 2)).width(), width);
         }
     }

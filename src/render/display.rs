@@ -85,11 +85,62 @@ impl ColorMap {
     }
 }
 
+/// Where a number stands between the ends of the colour map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ColorScale {
+    #[default]
+    Linear,
+    Log,
+}
+
+impl ColorScale {
+    pub const ALL: [Self; 2] = [Self::Linear, Self::Log];
+
+    /// How far apart, as a factor, the logarithmic scale tells numbers at the upper end from those at the lower: three decades.
+    const SPAN: f32 = 1000.0;
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Log => "log",
+        }
+    }
+
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Linear => "equal steps of the number are equal steps of colour",
+            Self::Log => "logarithmic over three decades of the range: small numbers stand apart beside a few large ones",
+        }
+    }
+
+    /// Where a number stands: 0 at the lower end of the range, 1 at the upper. Logarithmic it is
+    /// `ln(1 + 1000 s) / ln 1001` with s the linear place, so that a range may begin at 0 or below.
+    #[inline]
+    pub fn place(self, value: f32, [low, high]: [f32; 2]) -> f32 {
+        let share = (value - low) / (high - low).max(f32::MIN_POSITIVE);
+        match self {
+            Self::Linear => share,
+            Self::Log => (Self::SPAN * share.max(0.0)).ln_1p() / Self::SPAN.ln_1p(),
+        }
+    }
+
+    /// The number that stands at a place from 0 to 1.
+    pub fn value_at(self, place: f32, [low, high]: [f32; 2]) -> f32 {
+        let share = match self {
+            Self::Linear => place,
+            Self::Log => (place * Self::SPAN.ln_1p()).exp_m1() / Self::SPAN,
+        };
+        low + share * (high - low)
+    }
+}
+
 /// How a film is shown. Changing it never renders again.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct DisplaySettings {
     pub colormap: ColorMap,
+    pub scale: ColorScale,
     /// Values at the two ends of the colour map; `None`: from 0 (heat) or the smallest value (distance) to the 99.5th percentile.
     pub range: Option<[f32; 2]>,
     /// Heat values of at least this are shown in one flat colour, the rest dimmed.
@@ -103,6 +154,7 @@ impl Default for DisplaySettings {
     fn default() -> Self {
         Self {
             colormap: ColorMap::default(),
+            scale: ColorScale::default(),
             range: None,
             threshold: None,
             exposure: 0.0,
@@ -150,7 +202,7 @@ pub fn picture(film: &Film, settings: &DisplaySettings) -> RgbaImage {
         FilmContent::Number(sums) => {
             let range = effective_range(film, settings).unwrap_or([0.0, 1.0]);
             let threshold = settings.threshold.filter(|_| matches!(class, ViewClass::Heat | ViewClass::Leaf));
-            let shades = Shades::new(settings.colormap, range, threshold);
+            let shades = Shades::new(settings, range, threshold);
             let samples = film.samples as f32;
             // Divided, not scaled: the same number that the film answers with, so that a threshold cuts exactly.
             fill(&mut image, sums, |sum: f32| shades.color(sum / samples));
@@ -173,21 +225,21 @@ pub(super) fn fill<T: Copy + Sync>(image: &mut RgbaImage, sums: &[T], color: imp
 
 /// A colour map over a range, tabulated.
 struct Shades {
-    low: f32,
-    scale: f32,
+    range: [f32; 2],
+    scale: ColorScale,
     threshold: f32,
     colors: Vec<[u8; 3]>,
 }
 
 impl Shades {
-    fn new(map: ColorMap, [low, high]: [f32; 2], threshold: Option<f32>) -> Self {
+    fn new(settings: &DisplaySettings, range: [f32; 2], threshold: Option<f32>) -> Self {
         let shade = |t: f32| match threshold {
             Some(_) => [(DIMMED[0] + t * (DIMMED[1] - DIMMED[0])) as u8; 3],
-            None => map.color(t),
+            None => settings.colormap.color(t),
         };
         Self {
-            low,
-            scale: (MAP_STEPS - 1) as f32 / (high - low),
+            range,
+            scale: settings.scale,
             threshold: threshold.unwrap_or(f32::INFINITY),
             colors: (0..MAP_STEPS).map(|i| shade(i as f32 / (MAP_STEPS - 1) as f32)).collect(),
         }
@@ -202,7 +254,7 @@ impl Shades {
             return THRESHOLD_COLOR;
         }
         // A cast to an integer saturates, and takes NaN (an empty range) to 0.
-        let step = ((value - self.low) * self.scale + 0.5) as usize;
+        let step = (self.scale.place(value, self.range) * (MAP_STEPS - 1) as f32 + 0.5) as usize;
         self.colors[step.min(MAP_STEPS - 1)]
     }
 }
@@ -302,6 +354,25 @@ mod tests {
         assert_eq!((shown[0], shown[2], shown[3], shown[4]), (map(0.0), map(1.0), map(1.0), map(0.0)));
         assert!(shown[1].iter().zip(map(0.5)).all(|(a, b)| a.abs_diff(b) <= 2));
         assert_eq!(shown[5], NO_NUMBER_COLOR);
+    }
+
+    #[test]
+    fn a_logarithmic_scale_tells_small_numbers_apart() {
+        let range = [0.0, 1000.0];
+        for scale in ColorScale::ALL {
+            assert_eq!((scale.place(0.0, range), scale.place(1000.0, range)), (0.0, 1.0), "{scale:?}");
+            for place in [0.0, 0.1, 0.5, 0.9, 1.0] {
+                let there = scale.place(scale.value_at(place, [-3.0, 40.0]), [-3.0, 40.0]);
+                assert!((there - place).abs() < 1e-4, "{scale:?} {place} {there}");
+            }
+        }
+        // A decade is about a third, as at 10 of 1000: ln(11) / ln(1001).
+        assert!((ColorScale::Log.place(10.0, range) - 0.34708).abs() < 1e-4);
+        let settings = DisplaySettings { range: Some(range), scale: ColorScale::Log, ..Default::default() };
+        let shown = pixels(&numbers(View::BoxTests, &[0.0, 10.0, 1000.0, -5.0, 5000.0]), &settings);
+        let map = |t| settings.colormap.color(t);
+        assert_eq!((shown[0], shown[2], shown[3], shown[4]), (map(0.0), map(1.0), map(0.0), map(1.0)));
+        assert!(shown[1].iter().zip(map(0.34708)).all(|(a, b)| a.abs_diff(b) <= 2));
     }
 
     #[test]

@@ -22,7 +22,7 @@ pub mod views;
 pub mod visits;
 pub mod whitted;
 
-pub use display::{ColorMap, DisplaySettings};
+pub use display::{ColorMap, ColorScale, DisplaySettings};
 pub use film::{Film, RenderSettings};
 pub use overlay::{BoxStyle, Overlay, OverlaySettings};
 pub use tonemap::ToneMap;

@@ -1,6 +1,7 @@
 //! Motion as a pure function of time; t = 0 is the still scene.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::{Quat, Vec3};
 
@@ -40,13 +41,14 @@ impl Scene {
 
     /// This scene (which must be the one of t = 0) at another moment. A time that is not finite is taken as 0.
     #[must_use]
-    pub fn at(&self, time: f32) -> Scene {
+    pub fn at(self: &Arc<Self>, time: f32) -> Scene {
         debug_assert!(self.time == 0.0, "a scene that has moved must not be moved again");
-        let mut scene = self.clone();
+        let mut scene = Self::clone(self);
         if time == 0.0 || !time.is_finite() {
             return scene;
         }
         scene.time = time;
+        scene.still = Some(Arc::clone(self));
         for track in self.animation.iter() {
             match track {
                 Track::Vertices { positions, normals, motion } => {
@@ -158,7 +160,7 @@ mod tests {
     fn every_moving_scene_is_still_at_zero_and_moves_after() {
         let mut moving = 0;
         for (name, _) in builtin::SCENES {
-            let still = builtin::make(name).expect("a built-in scene");
+            let still = Arc::new(builtin::make(name).expect("a built-in scene"));
             let start = still.at(0.0);
             assert_eq!(still.mesh.positions, start.mesh.positions, "{name}");
             assert_eq!(
@@ -199,7 +201,7 @@ mod tests {
 
     #[test]
     fn the_room_follows_its_formulas() {
-        let still = builtin::make("room").expect("a built-in scene");
+        let still = Arc::new(builtin::make("room").expect("a built-in scene"));
         for time in [0.0_f32, 0.5, 1.0, 2.75, 9.3] {
             let room = still.at(time);
             let h = 1.0 - (time.rem_euclid(2.0) - 1.0).powi(2);

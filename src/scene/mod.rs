@@ -62,6 +62,8 @@ pub struct Scene {
     pub animation: Arc<Vec<Track>>,
     /// The moment that this scene shows, in seconds.
     pub time: f32,
+    /// The scene of t = 0, of one that has moved.
+    pub still: Option<Arc<Scene>>,
     /// For scenes read from a file: the file's own index of each shape's face, where shapes were removed or cut.
     pub file_faces: Option<Arc<Vec<u32>>>,
 }

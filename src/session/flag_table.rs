@@ -8,8 +8,8 @@ use super::values::{
     switch_text,
 };
 use crate::accel::simd::SimdLevel;
-use crate::accel::{Block, BuildConfig, Builder, Improver, Layout, Morton, StopRule, Widen, Width};
-use crate::render::{BoxStyle, ColorMap, CountKind, ToneMap, View};
+use crate::accel::{Block, BuildConfig, Builder, Improver, Layout, Morton, StopRule, Update, Widen, Width};
+use crate::render::{BoxStyle, ColorMap, ColorScale, CountKind, ToneMap, View};
 use crate::scene::{ShadowRule, UpAxis};
 use crate::world::NodeFigure;
 
@@ -172,6 +172,15 @@ pub(super) static FLAGS: &[Flag] = &[
         choices: no_choices,
         set: |s, text| read_float(text, BuildConfig::MIN_SHARE..=1.0).map(|v| s.build_mut().share = v),
         get: |s| float_text(s.build().share),
+    },
+    Flag {
+        name: "update",
+        value_name: Some("HOW"),
+        group: FlagGroup::Tree,
+        help: "What becomes of the tree when the scene moves",
+        choices: choices::<Update>,
+        set: |s, text| read_named(text).map(|v| s.build_mut().update = v),
+        get: |s| s.build().update.name().to_owned(),
     },
     Flag {
         name: "traversal-cost",
@@ -361,6 +370,15 @@ pub(super) static FLAGS: &[Flag] = &[
         choices: choices::<ColorMap>,
         set: |s, text| read_named(text).map(|v| s.display.colormap = v),
         get: |s| s.display.colormap.name().to_owned(),
+    },
+    Flag {
+        name: "scale",
+        value_name: Some("NAME"),
+        group: FlagGroup::Display,
+        help: "Where numbers stand between the ends of the colour map",
+        choices: choices::<ColorScale>,
+        set: |s, text| read_named(text).map(|v| s.display.scale = v),
+        get: |s| s.display.scale.name().to_owned(),
     },
     Flag {
         name: "range",

@@ -142,9 +142,16 @@ fn adopt_tree(
 /// ground stays where the still scene stands, whatever moves.
 pub fn stage(still: &Arc<Scene>, session: &Session) -> Arc<Scene> {
     let moves = session.time != still.time && still.is_animated();
-    let staged =
-        if session.ground { Arc::new(still.with_ground(true, session.up)) } else { Arc::clone(still) };
-    if moves { Arc::new(staged.at(session.time)) } else { staged }
+    let grounded = session.ground.then(|| still.with_ground(true, session.up));
+    match grounded {
+        // What a tree is refitted from is the scene as loaded, with or without a ground.
+        Some(Scene { ground, materials, .. }) if moves => {
+            Arc::new(Scene { ground, materials, ..still.at(session.time) })
+        }
+        Some(grounded) => Arc::new(grounded),
+        None if moves => Arc::new(still.at(session.time)),
+        None => Arc::clone(still),
+    }
 }
 
 /// The session's camera, or the scene's own, with the session's up axis.

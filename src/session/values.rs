@@ -10,8 +10,8 @@ use std::str::FromStr;
 use glam::Vec3;
 
 use crate::accel::simd::SimdLevel;
-use crate::accel::{Block, Builder, Improver, Layout, Morton, StopRule, Widen, Width};
-use crate::render::{BoxStyle, ColorMap, CountKind, ToneMap, View};
+use crate::accel::{Block, Builder, Improver, Layout, Morton, StopRule, Update, Widen, Width};
+use crate::render::{BoxStyle, ColorMap, ColorScale, CountKind, ToneMap, View};
 use crate::scene::load::TreeFormat;
 use crate::scene::{Camera, ShadowRule, UpAxis};
 use crate::world::NodeFigure;
@@ -55,6 +55,7 @@ named! {
     Layout: Self::description;
     Block: Self::description;
     Improver: Self::description;
+    Update: Self::description;
     Morton: Self::description;
     Widen: Self::description;
     SimdLevel: Self::description;
@@ -63,6 +64,7 @@ named! {
     CountKind: Self::description;
     ShadowRule: Self::description;
     ColorMap: Self::description;
+    ColorScale: Self::description;
     ToneMap: Self::description;
     BoxStyle: Self::description;
     NodeFigure: Self::description;

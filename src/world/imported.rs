@@ -5,11 +5,11 @@ use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use super::blockers::Blockers;
-use super::{BuildPhase, PrimStore, World, elapsed_ms};
+use super::{BuildPhase, PrimStore, World, built_over, elapsed_ms};
 use crate::accel::quality::TreeFigures;
 use crate::accel::simd::SimdToken;
 use crate::accel::validate::Findings;
-use crate::accel::{BuildConfig, BuildReport, RawTree, Tree};
+use crate::accel::{BuildConfig, BuildReport, RawTree, Tree, Update};
 use crate::scene::Scene;
 use crate::scene::load::TreeArrays;
 use crate::task::{Cancelled, Task};
@@ -28,7 +28,7 @@ pub struct TreeFile {
 }
 
 /// A file's tree and what the check against the scene found.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Imported {
     pub file: Arc<TreeFile>,
     pub findings: Findings,
@@ -100,8 +100,8 @@ impl World {
         }
     }
 
-    /// The scene with the tree of a file; with that of `config` if the file's has a fault. The costs and instructions of
-    /// `config` hold for both.
+    /// The scene with the tree of a file; with that of `config` if the file's has a fault. The costs, the instructions and the
+    /// update of `config` hold for both: a tree that is to be refitted is one of the still scene.
     ///
     /// # Errors
     /// [`Cancelled`] when the task was.
@@ -116,7 +116,7 @@ impl World {
     ) -> Result<Self, Cancelled> {
         task.check()?;
         let start = Instant::now();
-        let boxes = scene.shape_bounds();
+        let boxes = built_over(&scene, config).shape_bounds();
         let (findings, tree) = file.raw.checked(&boxes, task)?;
         let Some(tree) = tree else {
             let drawable = Some(file.raw.drawable(&boxes, task)?);
@@ -124,6 +124,17 @@ impl World {
             return Ok(Self { imported, ..Self::build(scene, config, task)? });
         };
         let check = BuildPhase { name: "check", ms: elapsed_ms(start) };
+        let imported = Some(Imported { file, findings, drawable: None });
+        if scene.still.is_some() && config.update == Update::Refit {
+            let report = BuildReport {
+                config: *config,
+                build_ms: 0.0,
+                phases: Vec::new(),
+                rounds: Vec::new(),
+                threads: rayon::current_num_threads(),
+            };
+            return Ok(Self { imported, ..Self::with_refitted(scene, &tree, report, task)? });
+        }
         let start = Instant::now();
         let store = PrimStore::new(&scene, &tree, task)?;
         let pack = BuildPhase { name: "pack", ms: elapsed_ms(start) };
@@ -136,7 +147,6 @@ impl World {
         };
         let figures = TreeFigures::measure(&tree, config.traversal_cost, config.intersection_cost);
         let blockers = Blockers::new(&scene);
-        let imported = Some(Imported { file, findings, drawable: None });
         let (epo, simd) = (OnceLock::new(), SimdToken::of(config));
         Ok(Self { scene, tree, report, figures, imported, store, blockers, epo, simd })
     }

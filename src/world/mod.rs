@@ -23,8 +23,8 @@ use crate::accel::build::Onlooker;
 use crate::accel::quality::TreeFigures;
 use crate::accel::simd::{SimdLevel, SimdToken};
 use crate::accel::{
-    BuildConfig, BuildPhase, BuildReport, LeafIntersector, Probe, Shapes, Tree, build_over, build_watched,
-    traverse, validate,
+    BuildConfig, BuildPhase, BuildReport, LeafIntersector, Probe, Shapes, Tree, Update, build_over,
+    build_watched, refit, traverse, validate,
 };
 use crate::each_width;
 use crate::geometry::{Aabb, Hit, PreparedRay, Ray, Shape};
@@ -59,7 +59,9 @@ pub struct World {
 }
 
 impl World {
-    /// Builds the tree that `config` describes over the scene's bounded shapes. In debug builds the tree is validated.
+    /// Builds the tree that `config` describes over the scene's bounded shapes. In debug builds the tree is validated. With
+    /// [`Update::Refit`] a scene that has moved gets the tree of its still scene, refitted; the phases are then those of the
+    /// refit alone.
     ///
     /// # Errors
     /// [`Cancelled`] when the task was.
@@ -68,12 +70,45 @@ impl World {
     /// If a shape's box is not finite (loaders remove such shapes), or `config` is out of range.
     pub fn build(scene: Arc<Scene>, config: &BuildConfig, task: &Task) -> Result<Self, Cancelled> {
         task.check()?;
-        let (tree, report) = build_over(&BoundedShapes(&scene), config, task)?;
-        if cfg!(debug_assertions) {
-            let violations = validate::validate(&tree, &scene.shape_bounds());
-            assert!(violations.is_empty(), "a tree with {config:?} is not valid: {violations:?}");
+        let (tree, report) = build_over(&BoundedShapes(built_over(&scene, config)), config, task)?;
+        if scene.still.is_some() && config.update == Update::Refit {
+            return Self::with_refitted(scene, &tree, report, task);
         }
+        check_valid(&tree, &scene, config);
         Self::with_built(scene, tree, report, config, task)
+    }
+
+    /// The world of another moment of the same scene, by a refit of this world's tree: the same as [`World::of`] with the same
+    /// configuration and file, in less time. `None` if trees are not to be refitted, or it is another scene or the still one.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when the task was.
+    pub fn moved(&self, scene: &Arc<Scene>, task: &Task) -> Result<Option<Self>, Cancelled> {
+        let own = self.scene.still.as_ref().unwrap_or(&self.scene);
+        let is_same = scene.still.as_ref().is_some_and(|still| Arc::ptr_eq(still, own));
+        let is_traced = self.imported.is_none() || self.traced_file().is_some();
+        if !is_same || !is_traced || self.report.config.update != Update::Refit {
+            return Ok(None);
+        }
+        let world = Self::with_refitted(Arc::clone(scene), &self.tree, self.report.clone(), task)?;
+        Ok(Some(Self { imported: self.imported.clone(), ..world }))
+    }
+
+    /// The scene with a tree that was made for another moment of it.
+    fn with_refitted(
+        scene: Arc<Scene>,
+        tree: &Tree,
+        report: BuildReport,
+        task: &Task,
+    ) -> Result<Self, Cancelled> {
+        let start = Instant::now();
+        let tree = refit(tree, &BoundedShapes(&scene), task)?;
+        let phase = BuildPhase { name: "refit", ms: elapsed_ms(start) };
+        check_valid(&tree, &scene, &report.config);
+        let config = report.config;
+        let threads = rayon::current_num_threads();
+        let report = BuildReport { build_ms: phase.ms, phases: vec![phase], threads, ..report };
+        Self::with_built(scene, tree, report, &config, task)
     }
 
     /// As if some shapes were not there: for looking at what they hide. Shapes keep their indices. Lights shine on, also those
@@ -100,12 +135,18 @@ impl World {
         Self::with_built(scene, tree, report, config, task)
     }
 
-    /// Builds the tree of a scene once more, with somebody who looks on; the world's own stays.
+    /// Builds the tree of a scene once more, with somebody who looks on; the world's own stays. Of a refitted tree it is the
+    /// build at t = 0, over the boxes of [`World::build_scene`].
     ///
     /// # Errors
     /// [`Cancelled`] when the task was.
     pub fn watch_build(&self, onlooker: Onlooker<'_>, task: &Task) -> Result<(), Cancelled> {
-        build_watched(&BoundedShapes(&self.scene), &self.report.config, onlooker, task).map(|_| ())
+        build_watched(&BoundedShapes(self.build_scene()), &self.report.config, onlooker, task).map(|_| ())
+    }
+
+    /// The scene of the moment that the tree was built for: the world's own, unless the tree was refitted since.
+    pub fn build_scene(&self) -> &Scene {
+        built_over(&self.scene, &self.report.config)
     }
 
     /// The scene with a tree over its shapes.
@@ -242,6 +283,22 @@ impl World {
     }
 }
 
+/// The scene of the moment that a tree is built for.
+fn built_over<'a>(scene: &'a Scene, config: &BuildConfig) -> &'a Scene {
+    match config.update {
+        Update::Rebuild => scene,
+        Update::Refit => scene.still.as_deref().unwrap_or(scene),
+    }
+}
+
+/// Holds a tree of ours to what is asked of all, in debug builds.
+fn check_valid(tree: &Tree, scene: &Scene, config: &BuildConfig) {
+    if cfg!(debug_assertions) {
+        let violations = validate::validate(tree, &scene.shape_bounds());
+        assert!(violations.is_empty(), "a tree with {config:?} is not valid: {violations:?}");
+    }
+}
+
 /// Some of the shapes, by their place among those.
 struct SomeShapes<'a> {
     all: BoundedShapes<'a>,
@@ -314,6 +371,39 @@ fn elapsed_ms(start: Instant) -> f64 {
 mod tests {
     use super::*;
     use crate::scene::builtin;
+
+    #[test]
+    fn a_refitted_tree_gives_the_hits_of_a_new_one_and_its_own_figures() {
+        let still = Arc::new(builtin::make("bunny").expect("a built-in scene"));
+        let moved = |time| Arc::new(still.at(time));
+        let frame = still.camera.frame(24, 18);
+        for &(width, layout) in &BuildConfig::NODES {
+            let rebuild = BuildConfig { width, layout, ..BuildConfig::default() };
+            let config = BuildConfig { update: Update::Refit, ..rebuild };
+            let build = |scene, config| World::build(scene, config, &Task::new()).expect("built");
+            let first = build(Arc::clone(&still), &config);
+            assert_eq!(first.tree, build(Arc::clone(&still), &rebuild).tree, "nothing has moved yet");
+            let [new, old] = [&rebuild, &config].map(|config| build(moved(1.6), config));
+            assert_eq!(old.tree.refs(), first.tree.refs());
+            assert_eq!(old.report.phases.iter().map(|p| p.name).collect::<Vec<_>>(), ["refit", "pack"]);
+            let sah_cost = |world: &World| world.figures.sah_cost.expect("a cost").total();
+            assert!(sah_cost(&old) > 1.02 * sah_cost(&new), "{} {}", sah_cost(&old), sah_cost(&new));
+            for (x, y) in (0..24).flat_map(|x| (0..18).map(move |y| (x as f32 + 0.5, y as f32 + 0.5))) {
+                let ray = frame.ray(glam::Vec2::new(x, y));
+                assert_eq!(old.intersect(&ray, &mut ()), new.intersect(&ray, &mut ()));
+            }
+            // From whichever moment it is moved, it is the same tree.
+            for before in [&first, &build(moved(0.4), &config)] {
+                let world = before.moved(&moved(1.6), &Task::new()).expect("not cancelled").expect("refitted");
+                assert_eq!(world.tree, old.tree);
+            }
+            let refused = |world: &World, to| world.moved(to, &Task::new()).expect("not cancelled").is_none();
+            assert!(refused(&old, &still), "the still scene has the tree that was built");
+            assert!(refused(&new, &moved(0.3)), "the configuration asks for new trees");
+            let other = Arc::new(builtin::make("room").expect("a built-in scene"));
+            assert!(refused(&old, &Arc::new(other.at(1.0))));
+        }
+    }
 
     #[test]
     fn rays_go_through_what_is_hidden() {

@@ -1,5 +1,6 @@
 //! Improvers: steps after a build that make a better binary tree of the one that a builder found.
 
+mod refit;
 mod reinsertion;
 mod rotations;
 
@@ -9,6 +10,8 @@ use super::build::Onlooker;
 use super::bvh2::{Bvh2, Bvh2Node};
 use super::config::{BuildConfig, Improver};
 use super::quality::binary_sah_cost;
+
+pub use refit::refit;
 
 /// The least gain worth a round, as a share of the sum of all areas.
 const WORTHWHILE: f64 = 1e-7;

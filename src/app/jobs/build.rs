@@ -25,6 +25,8 @@ pub struct BuildRequest {
     pub still: Arc<Scene>,
     /// The scene of the key's moment, if it is at hand.
     pub staged: Option<Arc<Scene>>,
+    /// A world of the same settings at another moment, if one is at hand: perhaps it needs a refit alone.
+    pub before: Option<Arc<World>>,
     pub session: Session,
     pub figures: FiguresKey,
 }
@@ -89,7 +91,12 @@ fn build(run: &Run<BuildRequest, BuildMessage>) -> Result<Option<String>, Cancel
         Err(LoadError::Cancelled) => return Err(Cancelled),
         Err(error) => return Ok(Some(error.to_string())),
     };
-    let world = Arc::new(World::of(scene, file.as_ref(), &request.key.config, run.task)?);
+    let moved = request.before.as_ref().map(|before| before.moved(&scene, run.task)).transpose()?.flatten();
+    let world = match moved {
+        Some(world) => world,
+        None => World::of(scene, file.as_ref(), &request.key.config, run.task)?,
+    };
+    let world = Arc::new(world);
     run.emit(BuildMessage::Built { key: request.key, world: Arc::clone(&world) });
     let rays = count(&world, request, run.task)?;
     run.emit(BuildMessage::Counted { key: request.figures, rays });

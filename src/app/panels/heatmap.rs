@@ -11,7 +11,7 @@ use crate::app::view::AppView;
 use crate::inspect::histogram::Histogram;
 use crate::inspect::plot::{Plot, tree};
 use crate::inspect::region::PixelNumber;
-use crate::render::{ColorMap, CountKind, ToneMap, View, ViewClass};
+use crate::render::{ColorMap, ColorScale, CountKind, DisplaySettings, ToneMap, View, ViewClass};
 
 use super::chart::{self, Chart};
 use super::glossary::Term;
@@ -60,6 +60,7 @@ impl HeatmapPanel {
         }
         widgets::section(ui, "Colours");
         color_map(ui, view, commands);
+        scale(ui, view, commands);
         self.range(ui, view, commands);
         threshold(ui, view, commands);
         under_mouse(ui, view);
@@ -114,11 +115,10 @@ impl HeatmapPanel {
         };
         let domain = self.domain(view, histogram, [lo, hi]);
         let bars = rebinned(histogram, domain);
-        let map = view.session.display.colormap;
+        let DisplaySettings { colormap: map, scale, .. } = view.session.display;
         let (low, high) = (f64::from(lo), f64::from(hi));
         let colors = |value: f64| {
-            let t = ((value - low) / (high - low).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-            let [r, g, b] = map.color(t as f32);
+            let [r, g, b] = map.color(scale.place(value as f32, [lo, hi]));
             [visible(Color32::from_rgb(r, g, b), ui_is_dark(view)); 2]
         };
         let shown = RangeBars {
@@ -300,6 +300,14 @@ fn color_map(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 12.0), Sense::hover());
     paint_gradient(ui, rect, current);
     response.on_hover_text(current.description());
+}
+
+fn scale(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
+    let current = Some(view.session.display.scale);
+    let describe = |s: ColorScale| (s.name(), s.description());
+    if let Some(scale) = widgets::segmented(ui, Term::ColorScale, current, &ColorScale::ALL, &describe) {
+        commands.edit(move |s| s.display.scale = scale);
+    }
 }
 
 /// How light becomes colour, for pictures of light.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use egui::{Button, DragValue, RichText, Slider, TextEdit, Ui, vec2};
 
+use crate::accel::Update;
 use crate::app::commands::{Command, Commands};
 use crate::app::view::AppView;
 use crate::export::session_file::is_session_path;
@@ -275,6 +276,11 @@ fn time(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
     let changed = widgets::slider(ui, Term::Time, slider).changed();
     if changed {
         commands.edit(move |s| s.time = time);
+    }
+    let update = Some(view.session.build().update);
+    let describe = |u: Update| (u.name(), u.description());
+    if let Some(update) = widgets::segmented(ui, Term::Update, update, &Update::ALL, &describe) {
+        commands.edit(move |s| s.build_mut().update = update);
     }
 }
 

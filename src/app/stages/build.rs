@@ -60,12 +60,15 @@ pub fn start(jobs: &mut Jobs, state: &State) {
         return;
     }
     let staged = (document.tree.scene == scene).then(|| Arc::clone(&document.world.scene));
+    let is_only_moved = document.tree.config == key.config && document.tree.file == key.file;
+    let before = is_only_moved.then(|| Arc::clone(&document.world));
     let [width, height] =
         state.measured_size().unwrap_or([state.session.render.width, state.session.render.height]);
     let request = BuildRequest {
         key,
         still: Arc::clone(&document.still),
         staged,
+        before,
         session: state.session.clone(),
         figures: FiguresKey { tree: key, camera, width, height },
     };

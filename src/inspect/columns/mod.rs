@@ -215,6 +215,7 @@ mod tests {
                 "tree_file",
                 "layout",
                 "pre_split",
+                "update",
                 "traversal_cost",
                 "intersection_cost",
                 "count"

@@ -1,6 +1,6 @@
 //! Build settings in a few words.
 
-use crate::accel::{Block, BuildConfig, Builder, Improver, Layout, Morton, StopRule, Width};
+use crate::accel::{Block, BuildConfig, Builder, Improver, Layout, Morton, StopRule, Update, Width};
 
 /// Settings in a few words, as in `binned 16 · leaf 2 · width 4 split`.
 pub fn summary(config: &BuildConfig) -> String {
@@ -45,6 +45,9 @@ pub fn summary(config: &BuildConfig) -> String {
     }
     if config.stop != StopRule::Limit && !config.is_optimal() && config.builder.weighs_cost() {
         text += &format!(" · stop {}", config.stop.name());
+    }
+    if config.update == Update::Refit {
+        text += " · refit";
     }
     let costs = (config.traversal_cost, config.intersection_cost);
     if costs != (1.0, 1.0) {
