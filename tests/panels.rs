@@ -11,6 +11,8 @@ mod fixture;
 mod nodes;
 #[path = "panels/plots.rs"]
 mod plots;
+#[path = "panels/tours.rs"]
+mod tours;
 #[path = "panels/trees.rs"]
 mod trees;
 #[path = "panels/window.rs"]

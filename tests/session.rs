@@ -3,10 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use bvhscope::accel::simd::SimdLevel;
-use bvhscope::accel::{Block, BuildConfig, Builder, Improver, Layout, Morton, StopRule, Widen, Width};
+use bvhscope::accel::{
+    Block, BuildConfig, Builder, Improver, Layout, Morton, StopRule, Update, Widen, Width,
+};
 use bvhscope::export::session_file;
 use bvhscope::render::{
-    BoxStyle, ColorMap, CountKind, DisplaySettings, OverlaySettings, RenderSettings, ToneMap, View,
+    BoxStyle, ColorMap, ColorScale, CountKind, DisplaySettings, OverlaySettings, RenderSettings, ToneMap,
+    View,
 };
 use bvhscope::scene::{Camera, SceneRef, ShadowRule, UpAxis};
 use bvhscope::session::flags::{command_line, find};
@@ -41,6 +44,7 @@ fn build() -> impl Strategy<Value = BuildConfig> {
         select(&Block::ALL[..]),
         select(&Improver::ALL[..]),
         select(&Morton::ALL[..]),
+        select(&Update::ALL[..]),
     );
     let budget = || 0.0f32..=BuildConfig::MAX_BUDGET;
     let cuts = (BuildConfig::RADIUS, 0.0f32..=1.0, budget(), budget());
@@ -55,7 +59,7 @@ fn build() -> impl Strategy<Value = BuildConfig> {
     );
     (choices, numbers).prop_map(
         |(
-            (builder, (width, layout), widen, stop, block, improver, morton),
+            (builder, (width, layout), widen, stop, block, improver, morton, update),
             (bins, leaf, rounds, share, (ct, ci), (radius, split_alpha, split_budget, pre_split)),
         )| {
             BuildConfig {
@@ -67,6 +71,7 @@ fn build() -> impl Strategy<Value = BuildConfig> {
                 block,
                 improver,
                 morton,
+                update,
                 radius,
                 split_alpha,
                 split_budget,
@@ -106,13 +111,15 @@ fn display() -> impl Strategy<Value = DisplaySettings> {
     let range = (finite(), finite()).prop_filter_map("a range", |(a, b)| (a <= b).then_some([a, b]));
     (
         select(&ColorMap::ALL[..]),
+        select(&ColorScale::ALL[..]),
         option::of(range),
         option::of(finite()),
         -32.0f32..=32.0,
         select(&ToneMap::ALL[..]),
     )
-        .prop_map(|(colormap, range, threshold, exposure, tonemap)| DisplaySettings {
+        .prop_map(|(colormap, scale, range, threshold, exposure, tonemap)| DisplaySettings {
             colormap,
+            scale,
             range,
             threshold,
             exposure,

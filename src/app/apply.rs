@@ -209,7 +209,13 @@ impl Target<'_> {
         }
     }
 
+    /// Opens what somebody asked for, which ends a tour.
     fn open(&mut self, source: Source) {
+        self.state.touring = None;
+        self.open_quietly(source);
+    }
+
+    pub(super) fn open_quietly(&mut self, source: Source) {
         self.changed();
         stages::load::open(self.jobs, self.state, source);
     }
@@ -231,7 +237,7 @@ impl Target<'_> {
         self.changed();
     }
 
-    fn select(&mut self, pick: Pick, add: bool) {
+    pub(super) fn select(&mut self, pick: Pick, add: bool) {
         let Some(document) = &self.state.document else { return };
         let seen = self.state.visible_world().unwrap_or(&document.world);
         let seen = Arc::clone(seen);
@@ -243,7 +249,7 @@ impl Target<'_> {
         }
     }
 
-    fn go_to_pixel(&mut self, pixel: [u32; 2]) {
+    pub(super) fn go_to_pixel(&mut self, pixel: [u32; 2]) {
         if let (Some(camera), Some(size)) = (self.state.camera(), self.state.picture_size()) {
             self.select(Pick::Pixel { camera, size, pixel }, false);
         }

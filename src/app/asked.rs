@@ -8,6 +8,7 @@ use super::apply::Target;
 use super::commands::{Command, SaveTarget};
 use super::panels::PanelKind;
 use super::popups::Finder;
+use super::tours;
 use crate::export::plot::PlotFormat;
 use crate::inspect::plot::Plot;
 use crate::session::bookmark::{Bookmark, camera_text, read_camera_text};
@@ -38,6 +39,8 @@ pub enum Asked {
     },
     /// Whether the next start shows what is shown now.
     ReopenAtStart(bool),
+    /// Begins a guided tour, goes through it, or ends it.
+    Tour(tours::Go),
     /// Opens the command palette.
     Palette,
     /// Shows or hides the page of shortcuts.
@@ -81,6 +84,7 @@ impl Target<'_> {
             }
             Asked::SavePlot { plot, format } => self.save_plot(*plot, format),
             Asked::ReopenAtStart(reopen) => self.state.reopen_at_start = reopen,
+            Asked::Tour(go) => self.tour(go),
             Asked::Palette => self.popups.finder = Some(Finder::default()),
             Asked::Shortcuts => self.popups.shortcuts = !self.popups.shortcuts,
             Asked::Quit => self.ctx.send_viewport_cmd(egui::ViewportCommand::Close),

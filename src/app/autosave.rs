@@ -52,15 +52,16 @@ impl Autosave {
         }
         let path = self.path.as_ref()?;
         // What could not be opened is not kept.
-        if state.document.is_none() || self.kept.as_ref() == Some(&state.session) {
+        if state.document.is_none() || self.kept.as_ref() == Some(state.session_to_keep()) {
             return None;
         }
         let waited = self.last.map_or(EVERY, |last| now.saturating_duration_since(last));
         if waited < EVERY {
             return Some(EVERY - waited);
         }
-        (self.kept, self.last) = (Some(state.session.clone()), Some(now));
-        self.job.request(context, Work { session: state.session.clone(), path: path.clone() });
+        let session = state.session_to_keep().clone();
+        (self.kept, self.last) = (Some(session.clone()), Some(now));
+        self.job.request(context, Work { session, path: path.clone() });
         None
     }
 
@@ -68,7 +69,7 @@ impl Autosave {
     pub fn finish(&mut self, state: &State) {
         let Some(path) = &self.path else { return };
         if state.document.is_some()
-            && let Err(message) = write(&state.session, path)
+            && let Err(message) = write(state.session_to_keep(), path)
         {
             eprintln!("bvhscope: the session cannot be kept for the next start: {message}");
         }

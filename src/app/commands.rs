@@ -155,13 +155,14 @@ pub enum SaveTarget {
     Sweep,
     Session,
     Tree,
+    Boxes,
     Plot,
     Animation,
     Report,
 }
 
 impl SaveTarget {
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Picture,
         Self::Window,
         Self::Raw,
@@ -169,6 +170,7 @@ impl SaveTarget {
         Self::Sweep,
         Self::Session,
         Self::Tree,
+        Self::Boxes,
         Self::Plot,
         Self::Animation,
         Self::Report,
@@ -184,6 +186,7 @@ impl SaveTarget {
             Self::Sweep => "points of the sweep",
             Self::Session => "session",
             Self::Tree => "tree",
+            Self::Boxes => "boxes",
             Self::Plot => "plot",
             Self::Animation => "animation",
             Self::Report => "report",
@@ -199,6 +202,7 @@ impl SaveTarget {
             Self::Sweep => &["csv", "json"],
             Self::Session => &["ron"],
             Self::Tree => &tree_file::EXTENSIONS,
+            Self::Boxes => &["obj"],
             Self::Plot => &["svg", "png", "csv"],
             Self::Animation => &["png", "gif"],
             Self::Report => &["html"],
@@ -226,6 +230,8 @@ pub enum ExportRequest {
     Sweep { path: PathBuf },
     /// The plot that was chosen last: `.png`, `.svg` or `.csv`.
     Plot { path: PathBuf },
+    /// The boxes of the selected nodes, perhaps with all below: `.obj`.
+    Boxes { path: PathBuf, below: bool },
     /// The tree that is traced, for other programs: `.npz` or `.json`.
     Tree { path: PathBuf },
 }

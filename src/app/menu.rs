@@ -7,6 +7,7 @@ use egui::{Button, MenuBar, Ui};
 use super::actions::{Action, Around};
 use super::commands::{Command, Commands};
 use super::panels::PanelKind;
+use super::tours::TOURS;
 use super::view::AppView;
 use crate::render::View;
 use crate::scene::builtin::SCENES;
@@ -21,6 +22,18 @@ pub fn ui(ui: &mut Ui, around: &Around, commands: &mut Commands) {
             items(ui, around, commands, [Action::CopyCamera, Action::PasteCamera]);
         });
         ui.menu_button("View", |ui| views(ui, around, commands));
+        ui.menu_button("Learn", |ui| {
+            for index in 0..TOURS.len() {
+                items(ui, around, commands, [Action::TakeTour(index)]);
+            }
+            ui.separator();
+            items(
+                ui,
+                around,
+                commands,
+                [Action::TourOn, Action::TourBack, Action::LeaveTour, Action::EndTour],
+            );
+        });
         ui.menu_button("Help", |ui| {
             items(ui, around, commands, [Action::Palette, Action::Shortcuts]);
             ui.separator();

@@ -27,6 +27,7 @@ pub mod state;
 mod status;
 pub mod theme;
 mod toolbar;
+pub mod tours;
 mod undo;
 pub mod view;
 mod viewport;

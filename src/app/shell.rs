@@ -18,9 +18,10 @@ use super::popups::Popups;
 use super::screenshot::{Screenshot, ScreenshotJob};
 use super::stages::{self, Jobs, Now, Showing};
 use super::state::{SETTLE, State};
+use super::tours::Touring;
 use super::undo::Undo;
 use super::viewport::Viewport;
-use super::{DEFAULT_BOXES, menu, shortcuts, status, theme, toolbar};
+use super::{DEFAULT_BOXES, menu, shortcuts, status, theme, toolbar, tours};
 use crate::scene::SceneRef;
 use crate::session::Session;
 
@@ -145,6 +146,7 @@ impl App {
             && !stages::table::waits(&self.jobs, &now)
             && !stages::sweep::waits(&self.jobs)
             && self.autosave.is_idle()
+            && !self.state.touring.as_ref().is_some_and(Touring::is_pending)
     }
 
     fn now(&self) -> Now {
@@ -209,6 +211,13 @@ impl App {
                 };
                 menu::ui(ui, &around, commands);
             });
+            let around = Around {
+                view: &view,
+                layout: &self.layout,
+                undo: &self.undo,
+                reopens: self.state.reopen_at_start,
+            };
+            tours::ui(ui, &around, commands);
             Panel::top("toolbar").frame(frame).show(ui, |ui| toolbar::ui(ui, &view, commands));
             Panel::bottom("status").frame(frame).show(ui, |ui| status::line(ui, &view, commands));
         }
@@ -280,6 +289,7 @@ impl App {
         for command in commands {
             target.apply(command);
         }
+        target.go_on_with_tour();
         target.take_dialog_answers();
         // Of several files at once the last one would stay anyway.
         if let Some(path) = dropped.into_iter().next_back() {

@@ -58,7 +58,7 @@ pub fn page(ui: &Ui, around: &Around, open: &mut bool) {
         .show(ui.ctx(), |ui| {
             ui.horizontal_top(|ui| {
                 let halves: [&[Group]; 2] = [
-                    &[Group::File, Group::Edit, Group::Window, Group::Tree],
+                    &[Group::File, Group::Edit, Group::Window, Group::Tree, Group::Learn],
                     &[Group::Camera, Group::Select, Group::Rays, Group::Picture],
                 ];
                 for (half, groups) in halves.into_iter().enumerate() {
@@ -116,7 +116,13 @@ fn lines(ui: &Ui, around: &Around, group: Group) -> Vec<(String, String)> {
             lines.push(("1 to 9, 0".to_owned(), "the views, in the order of the list".to_owned()))
         }
         Group::Camera => lines.push(("Ctrl+1 to Ctrl+9".to_owned(), "the bookmarks".to_owned())),
-        Group::File | Group::Edit | Group::Select | Group::Rays | Group::Tree | Group::Window => {}
+        Group::File
+        | Group::Edit
+        | Group::Select
+        | Group::Rays
+        | Group::Tree
+        | Group::Learn
+        | Group::Window => {}
     }
     lines
 }

@@ -22,6 +22,7 @@ use super::player::Player;
 use super::selection::{Hidden, Selections};
 use super::splitting::Splitting;
 use super::theme::Palette;
+use super::tours::Touring;
 use super::view::{
     AppView, BinCurve, CompareStyle, CompareViews, HistoryEntry, Hover, JobStatus, Marked, RenderStatus,
     ShadowState, Side, SweepState, TableState, TreeView,
@@ -126,6 +127,8 @@ pub struct State {
     pub inspection: Inspection,
     pub splitting: Splitting,
     pub player: Player,
+    /// The guided tour that is taken.
+    pub touring: Option<Touring>,
     pub census: Option<(TreeKey, Arc<Census>)>,
     pub visits: Option<(VisitsKey, Arc<Visits>)>,
     pub overlaps: Option<(TreeKey, OverlapMeasure, Arc<Vec<OverlappingPair>>)>,
@@ -188,6 +191,7 @@ impl State {
             inspection: Inspection::default(),
             splitting: Splitting::default(),
             player: Player::default(),
+            touring: None,
             census: None,
             visits: None,
             overlaps: None,
@@ -324,6 +328,11 @@ impl State {
         self.recent.truncate(MOST_RECENT);
     }
 
+    /// The session that the next start shows again: that of before a tour, while one is taken.
+    pub fn session_to_keep(&self) -> &Session {
+        self.touring.as_ref().map_or(&self.session, Touring::before)
+    }
+
     /// What panels read.
     pub fn view(&self) -> AppView<'_> {
         let picture = self.picture(0);
@@ -360,6 +369,7 @@ impl State {
             inspection: &self.inspection,
             splitting: &self.splitting,
             player: &self.player,
+            touring: self.touring.as_ref(),
             tree: self.document.as_ref().map(|d| d.tree),
             camera: self.camera(),
             overlay: self.own_boxes().map(|b| &*b.overlay),

@@ -88,7 +88,7 @@ fn toggles(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
     let moves = view.scene.is_some_and(|scene| scene.is_animated());
     let animate = ui.add_enabled(moves, Button::selectable(view.animating, "Animate"));
     if animate
-        .on_hover_text("Lets the scene move; the tree is built anew for each moment (T)")
+        .on_hover_text("Lets the scene move; the tree follows, built anew or refitted (T)")
         .on_disabled_hover_text("Nothing moves in this scene")
         .clicked()
     {

@@ -33,6 +33,7 @@ use super::player::Player;
 use super::selection::{Hidden, Selections};
 use super::splitting::Splitting;
 use super::theme::Palette;
+use super::tours::Touring;
 
 pub use super::ab::{AbState, CompareStyle, CompareViews, Side};
 
@@ -86,6 +87,8 @@ pub struct AppView<'a> {
     pub splitting: &'a Splitting,
     /// How the tree came about.
     pub player: &'a Player,
+    /// The guided tour that is taken.
+    pub touring: Option<&'a Touring>,
     /// Which tree `world` is.
     pub tree: Option<TreeKey>,
     /// That is looked through now.

@@ -183,7 +183,8 @@ impl Filming<'_> {
             Some((of, world)) if of == time => world,
             before => {
                 let scene = prepare::stage(still, &session);
-                let moved = before.map(|(_, before)| before.moved(&scene, &self.task.step())).transpose()?.flatten();
+                let moved =
+                    before.map(|(_, before)| before.moved(&scene, &self.task.step())).transpose()?.flatten();
                 match moved {
                     Some(world) => world,
                     None => World::of(scene, tree, session.build(), &self.task.step())?,

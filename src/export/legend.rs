@@ -246,7 +246,9 @@ fn draw_bar(
     let name = tick_text(range[1], step);
     end -= text::width(&name, layout.letter) + layout.letter;
     match scale {
-        ColorScale::Linear => ticks(range, step).into_iter().for_each(|value| _ = label(whole, value, step, end)),
+        ColorScale::Linear => {
+            ticks(range, step).into_iter().for_each(|value| _ = label(whole, value, step, end))
+        }
         ColorScale::Log => {
             decades(range).for_each(|value| _ = label(whole, value, value.abs().min(step), end));
         }
@@ -275,7 +277,8 @@ fn ticks([low, high]: [f32; 2], step: f32) -> Vec<f32> {
 fn decades([low, high]: [f32; 2]) -> impl Iterator<Item = f32> {
     let top = low.abs().max(high.abs()).max(f32::MIN_POSITIVE).log10().floor() as i32;
     let sizes = (top - 4..=top).flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * 10f32.powi(power)));
-    let mut values: Vec<f32> = sizes.flat_map(|size| [size, -size]).filter(|v| low < *v && *v < high).collect();
+    let mut values: Vec<f32> =
+        sizes.flat_map(|size| [size, -size]).filter(|v| low < *v && *v < high).collect();
     values.sort_by(f32::total_cmp);
     values.into_iter()
 }

@@ -3,6 +3,7 @@
 
 pub mod animation;
 pub mod atomic;
+pub mod boxes;
 pub mod comparison;
 pub mod exr;
 pub mod findings;

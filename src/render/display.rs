@@ -110,7 +110,9 @@ impl ColorScale {
     pub fn description(self) -> &'static str {
         match self {
             Self::Linear => "equal steps of the number are equal steps of colour",
-            Self::Log => "logarithmic over three decades of the range: small numbers stand apart beside a few large ones",
+            Self::Log => {
+                "logarithmic over three decades of the range: small numbers stand apart beside a few large ones"
+            }
         }
     }
 

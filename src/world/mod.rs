@@ -394,10 +394,13 @@ mod tests {
             }
             // From whichever moment it is moved, it is the same tree.
             for before in [&first, &build(moved(0.4), &config)] {
-                let world = before.moved(&moved(1.6), &Task::new()).expect("not cancelled").expect("refitted");
+                let world =
+                    before.moved(&moved(1.6), &Task::new()).expect("not cancelled").expect("refitted");
                 assert_eq!(world.tree, old.tree);
             }
-            let refused = |world: &World, to| world.moved(to, &Task::new()).expect("not cancelled").is_none();
+            let refused = |world: &World, to: &Arc<Scene>| {
+                world.moved(to, &Task::new()).expect("not cancelled").is_none()
+            };
             assert!(refused(&old, &still), "the still scene has the tree that was built");
             assert!(refused(&new, &moved(0.3)), "the configuration asks for new trees");
             let other = Arc::new(builtin::make("room").expect("a built-in scene"));

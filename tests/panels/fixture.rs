@@ -449,6 +449,7 @@ impl Program {
             inspection: &self.inspection,
             splitting: &self.splitting,
             player: &self.player,
+            touring: None,
             tree: self.world.as_ref().map(|world| tree_key(world)),
             camera: m.map(|m| m.scene.camera),
             overlay: m.map(|m| &m.overlay),

@@ -1,7 +1,6 @@
 //! Refitting: a tree for shapes that have moved, of the same nodes, with boxes that fit again. Much cheaper than a build, but
 //! the tree decays, because nodes stay together that have moved apart.
 
-use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::accel::build::Shapes;
@@ -75,6 +74,8 @@ fn bounds_of(child: ChildRef, inner_bounds: &[Aabb], leaf_bounds: &[Aabb]) -> Op
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
     use crate::accel::validate::validate;
     use crate::accel::{BuildConfig, Builder, build};

@@ -14,11 +14,12 @@ pub enum Group {
     Rays,
     Picture,
     Tree,
+    Learn,
     Window,
 }
 
 impl Group {
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::File,
         Self::Edit,
         Self::Camera,
@@ -26,6 +27,7 @@ impl Group {
         Self::Rays,
         Self::Picture,
         Self::Tree,
+        Self::Learn,
         Self::Window,
     ];
 
@@ -38,6 +40,7 @@ impl Group {
             Self::Rays => "Rays",
             Self::Picture => "Picture",
             Self::Tree => "Tree",
+            Self::Learn => "Learn",
             Self::Window => "Window",
         }
     }

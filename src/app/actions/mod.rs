@@ -12,6 +12,7 @@ use super::inspection::RayView;
 use super::layout::{Layout, Pane};
 use super::panels::PanelKind;
 use super::selection::Go;
+use super::tours::{self, TOURS, Touring};
 use super::undo::Undo;
 use super::view::AppView;
 use crate::accel::Builder;
@@ -65,6 +66,10 @@ pub enum Action {
     FalseShadow,
     Ground,
     MeasureTable,
+    TourOn,
+    TourBack,
+    LeaveTour,
+    EndTour,
     Palette,
     Shortcuts,
     Dark,
@@ -75,6 +80,8 @@ pub enum Action {
     OpenBuiltin(usize),
     /// By the index in the recent scenes, the newest first.
     OpenRecent(usize),
+    /// By the index in [`TOURS`].
+    TakeTour(usize),
     /// By the index in the session's bookmarks.
     GoToBookmark(usize),
     ShowView(View),
@@ -122,7 +129,7 @@ const fn ctrl_shift(key: Key) -> KeyboardShortcut {
 
 impl Action {
     /// Those that are there once, in the order of menus and lists.
-    pub const PLAIN: [Self; 38] = [
+    pub const PLAIN: [Self; 42] = [
         Self::Open,
         Self::ImportTree,
         Self::SaveSession,
@@ -155,6 +162,10 @@ impl Action {
         Self::FalseShadow,
         Self::Ground,
         Self::MeasureTable,
+        Self::TourOn,
+        Self::TourBack,
+        Self::LeaveTour,
+        Self::EndTour,
         Self::Palette,
         Self::Shortcuts,
         Self::Dark,
@@ -171,6 +182,7 @@ impl Action {
         all.extend(Builder::ALL.map(Self::UseBuilder));
         all.extend(ColorMap::ALL.map(Self::UseColors));
         all.extend(PanelKind::ALL.map(Self::ShowPanel));
+        all.extend((0..TOURS.len()).map(Self::TakeTour));
         all.extend((0..SCENES.len()).map(Self::OpenBuiltin));
         all.extend((0..around.view.recent.len()).map(Self::OpenRecent));
         all
@@ -178,7 +190,7 @@ impl Action {
 
     /// What menus and lists show of it.
     pub fn info(self, around: &Around) -> Info {
-        use Group::{Camera, Edit, File, Picture, Rays, Select, Tree, Window};
+        use Group::{Camera, Edit, File, Learn, Picture, Rays, Select, Tree, Window};
         let Around { view, layout, undo, reopens } = around;
         let session = view.session;
         let loaded = view.scene.is_some();
@@ -302,7 +314,7 @@ impl Action {
                 .key(plain(Key::B))
                 .on(session.overlay.depths.is_some()),
             Self::Animate => {
-                Info::new(Picture, "Animate", "Lets the scene move; the tree is built anew for each moment")
+                Info::new(Picture, "Animate", "Lets the scene move; the tree follows, built anew or refitted")
                     .key(plain(Key::T))
                     .only_if(
                         view.scene.is_some_and(|scene| scene.is_animated()),
@@ -328,6 +340,31 @@ impl Action {
                 "The classic trees side by side on this scene and view",
             )
             .only_if(loaded, nothing),
+            Self::TourOn => {
+                let is_last = view.touring.is_some_and(Touring::is_last);
+                Info::new(Learn, "Next", "The next step of the tour")
+                    .key(plain(Key::PageDown))
+                    .only_if(!is_last, "This is the last step")
+                    .only_on_tour(view)
+            }
+            Self::TourBack => {
+                let is_first = view.touring.is_some_and(Touring::is_first);
+                Info::new(Learn, "Back", "The step of the tour before")
+                    .key(plain(Key::PageUp))
+                    .only_if(!is_first, "This is the first step")
+                    .only_on_tour(view)
+            }
+            Self::LeaveTour => {
+                Info::new(Learn, "Stay here", "Ends the tour, and keeps what it shows").only_on_tour(view)
+            }
+            Self::EndTour => {
+                Info::new(Learn, "End tour", "Back to what was shown before the tour").only_on_tour(view)
+            }
+            Self::TakeTour(index) => {
+                let tour = &TOURS[index];
+                let is_taken = view.touring.is_some_and(|touring| std::ptr::eq(touring.tour(), tour));
+                Info::new(Learn, tour.name, tour.about).on(is_taken)
+            }
             Self::Palette => {
                 Info::new(Window, "Commands…", "Every action, found by what it is called").key(ctrl(Key::P))
             }
@@ -420,6 +457,11 @@ impl Action {
             Self::FalseShadow => Command::ShadowPreset,
             Self::Ground => Command::Edit(Box::new(|session| session.ground = !session.ground)),
             Self::MeasureTable => Command::Ask(Asked::MeasureTable),
+            Self::TourOn => Command::Ask(Asked::Tour(tours::Go::On)),
+            Self::TourBack => Command::Ask(Asked::Tour(tours::Go::Back)),
+            Self::LeaveTour => Command::Ask(Asked::Tour(tours::Go::Leave)),
+            Self::EndTour => Command::Ask(Asked::Tour(tours::Go::End)),
+            Self::TakeTour(index) => Command::Ask(Asked::Tour(tours::Go::Begin(index))),
             Self::Palette => Command::Ask(Asked::Palette),
             Self::Shortcuts => Command::Ask(Asked::Shortcuts),
             Self::Dark => Command::SetDark(true),
@@ -441,6 +483,16 @@ impl Action {
             })),
             Self::UseColors(map) => Command::Edit(Box::new(move |session| session.display.colormap = map)),
             Self::ShowPanel(panel) => Command::ShowPanel { panel, shown: !around.layout.is_showing(panel) },
+        }
+    }
+}
+
+impl Info {
+    fn only_on_tour(self, view: &AppView) -> Self {
+        if view.touring.is_some() {
+            self
+        } else {
+            self.only_if(false, "No tour is taken: see the menu Learn")
         }
     }
 }

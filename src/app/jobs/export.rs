@@ -9,12 +9,13 @@ use image::RgbaImage;
 use super::gate::OnLease;
 use super::newest::Patience;
 use super::{Job, PoolKind, Run};
+use crate::accel::NodeId;
 use crate::export::animation::{FrameFormat, Frames, Stage, animate};
 use crate::export::picture::{self, Extras};
 use crate::export::plot::{self, Look};
 use crate::export::points::{self, Question};
 use crate::export::report::{Measured, Report};
-use crate::export::{atomic, exr, raw_csv, session_file, tree_file};
+use crate::export::{atomic, boxes, exr, raw_csv, session_file, tree_file};
 use crate::inspect::columns::{COLUMNS, Column, TreeRecord};
 use crate::inspect::pareto::front;
 use crate::inspect::plot::Plot;
@@ -68,6 +69,11 @@ pub enum ExportContent {
     },
     Tree {
         world: Arc<World>,
+    },
+    Boxes {
+        world: Arc<World>,
+        nodes: Vec<NodeId>,
+        below: bool,
     },
     Report {
         world: Arc<World>,
@@ -148,6 +154,10 @@ fn write(run: &Run<ExportWork, ExportDone>) -> Result<(), String> {
         ExportContent::Tree { world } => {
             tree_file::save(&world.tree, &world.scene, path).map(drop).map_err(say)
         }
+        ExportContent::Boxes { world, nodes, below } => match extension(path).as_str() {
+            "obj" => boxes::save(world.shown_tree(), nodes, *below, path, run.task).map(drop).map_err(say),
+            other => Err(unknown_extension(path, other, "obj")),
+        },
         ExportContent::Report { world, camera, measured } => {
             let report = Report::make(session, world, *camera, Measured::clone(measured), run.task);
             report.map_err(|error| error.to_string())?.save(path).map_err(say)

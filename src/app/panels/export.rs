@@ -36,6 +36,8 @@ pub struct ExportPanel {
     samples: u32,
     overlay: bool,
     legend: bool,
+    /// With the nodes below those that are selected.
+    below: bool,
     animation: AnimationForm,
 }
 
@@ -47,6 +49,7 @@ impl Default for ExportPanel {
             samples: 64,
             overlay: true,
             legend: false,
+            below: false,
             animation: AnimationForm::default(),
         }
     }
@@ -62,6 +65,7 @@ impl ExportPanel {
             (SaveTarget::Figures, Term::FiguresFile),
             (SaveTarget::Sweep, Term::SweepFile),
             (SaveTarget::Tree, Term::TreeFile),
+            (SaveTarget::Boxes, Term::BoxesFile),
             (SaveTarget::Plot, Term::PlotFile),
             (SaveTarget::Window, Term::WindowFile),
         ] {
@@ -70,8 +74,21 @@ impl ExportPanel {
                 let none = "None chosen yet: use the button in a plot's corner, or its second mouse button.";
                 widgets::caption(ui, view.palette, view.plot.map_or(none, |plot| plot.title.as_str()));
             }
+            if target == SaveTarget::Boxes {
+                let count = view.selections.current().map_or(0, |selection| selection.nodes.len());
+                let text = match count {
+                    0 => "Nothing is selected: click in the picture, or in the panel Tree.".to_owned(),
+                    1 => "One node is selected.".to_owned(),
+                    _ => format!("{count} nodes are selected."),
+                };
+                widgets::caption(ui, view.palette, text);
+                if widgets::switch(ui, Term::BoxesBelow, self.below) {
+                    self.below = !self.below;
+                }
+            }
             if let Some(path) = self.path_row(ui, view, target, commands) {
                 commands.push(Command::Export(match target {
+                    SaveTarget::Boxes => ExportRequest::Boxes { path, below: self.below },
                     SaveTarget::Raw => ExportRequest::Raw { path },
                     SaveTarget::Figures => ExportRequest::Figures { path },
                     SaveTarget::Sweep => ExportRequest::Sweep { path },
@@ -218,6 +235,7 @@ impl ExportPanel {
             let is_there = match target {
                 SaveTarget::Sweep => !view.sweep.points.is_empty(),
                 SaveTarget::Plot => view.plot.is_some(),
+                SaveTarget::Boxes => view.selections.current().is_some(),
                 _ => true,
             };
             let ready =
@@ -258,6 +276,7 @@ fn suggestion(session: &Session, target: SaveTarget) -> String {
         SaveTarget::Sweep => format!("{scene}-sweep.{extension}"),
         SaveTarget::Session => format!("{scene}.{extension}"),
         SaveTarget::Tree => format!("{scene}-{}.{extension}", session.build().builder.name()),
+        SaveTarget::Boxes => format!("{scene}-boxes.{extension}"),
         SaveTarget::Plot => format!("{scene}-plot.{extension}"),
         SaveTarget::Report => format!("{scene}-report.{extension}"),
         SaveTarget::Animation => format!("{scene}-{}-film.{extension}", session.view.name()),

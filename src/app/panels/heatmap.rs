@@ -305,7 +305,7 @@ fn color_map(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
 fn scale(ui: &mut Ui, view: &AppView, commands: &mut Commands) {
     let current = Some(view.session.display.scale);
     let describe = |s: ColorScale| (s.name(), s.description());
-    if let Some(scale) = widgets::segmented(ui, Term::ColorScale, current, &ColorScale::ALL, &describe) {
+    if let Some(scale) = widgets::segmented(ui, Term::NumberScale, current, &ColorScale::ALL, &describe) {
         commands.edit(move |s| s.display.scale = scale);
     }
 }

@@ -109,6 +109,14 @@ pub fn export(jobs: &mut Jobs, state: &mut State, ctx: &egui::Context, request: 
             (path, session, ExportContent::Plot { plot, look: Look::of(state.dark) })
         }
         ExportRequest::Figures { path } => (path, session, ExportContent::Figures { world, camera }),
+        ExportRequest::Boxes { path, below } => {
+            let nodes = state.selections.current().map_or_else(Vec::new, |s| s.nodes.clone());
+            if nodes.is_empty() {
+                state.messages.error("Nothing is selected: click in the picture or in the Tree panel first.");
+                return;
+            }
+            (path, session, ExportContent::Boxes { world, nodes, below })
+        }
         ExportRequest::Tree { path } => (path, session, ExportContent::Tree { world }),
         ExportRequest::Window { .. } => unreachable!("handled above"),
     };

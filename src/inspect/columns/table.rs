@@ -173,7 +173,9 @@ pub static COLUMNS: &[Column] = &[
         "references that cutting before the build may add, as a share of the shapes",
         |s| if_built(s, f64::from(s.config.pre_split)),
     ),
-    text("update", "update", "what became of the tree when the scene moved", |s| s.config.update.name().into()),
+    text("update", "update", "what became of the tree when the scene moved", |s| {
+        s.config.update.name().into()
+    }),
     real("traversal_cost", "C_t", "price of visiting a node", |s| f64::from(s.config.traversal_cost).into()),
     real("intersection_cost", "C_i", "price of testing a shape", |s| {
         f64::from(s.config.intersection_cost).into()
