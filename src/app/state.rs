@@ -298,6 +298,7 @@ impl State {
                 .traced_file()
                 .map(|file| TreeRef { path: file.path.clone(), content_hash: file.content_hash.clone() }),
             scene: world.scene.name.clone(),
+            time: world.scene.time,
             build_ms: world.report.build_ms,
             sah_cost: figures.sah_cost.map(|c| c.total()),
             nodes_visited_mean: None,

@@ -194,6 +194,8 @@ pub struct HistoryEntry {
     /// The file that the tree is from, if it was not built.
     pub tree: Option<TreeRef>,
     pub scene: String,
+    /// The moment of the scene, in seconds.
+    pub time: f32,
     pub build_ms: f64,
     pub sah_cost: Option<f64>,
     /// Mean of the camera rays; `None` until counted.

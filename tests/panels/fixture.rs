@@ -124,6 +124,7 @@ fn entry(number: usize, world: &World, rays: &RayFigures) -> HistoryEntry {
         config: world.report.config,
         tree: None,
         scene: world.scene.name.clone(),
+        time: world.scene.time,
         build_ms: world.report.build_ms,
         sah_cost: world.figures.sah_cost.map(|c| c.total()),
         nodes_visited_mean: rays.nodes_visited_mean,

@@ -233,7 +233,8 @@ fn the_rays_follow_the_view_unless_another_source_is_set() {
     window.state_mut().layout_mut().show(PanelKind::Rays, true);
     settle(&mut window);
     let viewport = window.get_by_role_and_label(Role::Image, "Viewport").rect();
-    let at = pos2(viewport.center().x, viewport.bottom() - 0.2 * viewport.height());
+    // On the wall at the back, above the boxes, which the lamp lights.
+    let at = pos2(viewport.center().x, viewport.top() + 0.3 * viewport.height());
     window.drag_at(at);
     window.drop_at(at);
     settle(&mut window);

@@ -64,7 +64,7 @@ fn a_tour_can_be_left_where_it_stands_and_opening_ends_it() {
     window.get_by_label("Stay here").click();
     settle(&mut window);
     let state = window.state().state();
-    assert!(state.touring.is_none() && state.session.build().bins == 4);
+    assert!(state.touring.is_none() && state.session.build().bins == 8);
     take(&mut window, 1);
     let scene = bvhscope::scene::SceneRef::Builtin("cornell".to_owned());
     window.state_mut().push(Command::OpenScene(scene.clone()));

@@ -5,7 +5,7 @@ mod strip;
 
 use super::ab::{CompareStyle, CompareViews};
 use super::apply::Target;
-use super::inspection::RayView;
+use super::inspection::{RayView, RaysAsked};
 use super::jobs::TreeKey;
 use super::jobs::load::Source;
 use super::panels::PanelKind;
@@ -16,6 +16,7 @@ use crate::render::View;
 use crate::scene::SceneRef;
 use crate::session::flags::read_words;
 use crate::session::{Session, SessionScene, Variant};
+use crate::world::NodeFigure;
 
 pub use lessons::TOURS;
 pub use strip::ui;
@@ -42,6 +43,8 @@ pub struct Step {
     /// Brought to the front.
     panels: &'static [PanelKind],
     selects: Option<Spot>,
+    /// What the colours of the icicle plot say.
+    colors: NodeFigure,
 }
 
 /// The picture at the right, and how it is shown.
@@ -57,7 +60,7 @@ enum Beside {
 #[derive(Clone, Copy, Debug)]
 enum Spot {
     Root,
-    /// What a pixel shows, with its rays: from the left and the top, as shares of the picture.
+    /// What a pixel shows, with the second of its rays: to the right of the middle and below it, in heights of the picture.
     Pixel([f32; 2]),
 }
 
@@ -70,6 +73,8 @@ pub struct Touring {
     compare_before: Option<CompareViews>,
     /// The step is not set up whole: its tree is not there yet.
     pending: bool,
+    /// The pixel whose second ray is to be chosen, once its rays are known.
+    ray_of: Option<[u32; 2]>,
 }
 
 /// What to do about tours.
@@ -100,7 +105,7 @@ impl Touring {
 
     /// The step is not set up whole yet.
     pub fn is_pending(&self) -> bool {
-        self.pending
+        self.pending || self.ray_of.is_some()
     }
 
     pub fn is_first(&self) -> bool {
@@ -180,7 +185,8 @@ impl Target<'_> {
                     Some(touring) => (touring.before, touring.compare_before),
                     None => (self.state.session.clone(), self.state.compare),
                 };
-                self.state.touring = Some(Touring { tour, step: 0, before, compare_before, pending: true });
+                self.state.touring =
+                    Some(Touring { tour, step: 0, before, compare_before, pending: true, ray_of: None });
                 self.set_up();
             }
             Go::On | Go::Back => {
@@ -190,7 +196,7 @@ impl Target<'_> {
                     _ => Some(touring.step + 1).filter(|step| *step < touring.tour().steps.len()),
                 };
                 let Some(step) = next else { return };
-                (touring.step, touring.pending) = (step, true);
+                (touring.step, touring.pending, touring.ray_of) = (step, true, None);
                 self.set_up();
             }
             Go::Leave => self.state.touring = None,
@@ -212,6 +218,7 @@ impl Target<'_> {
         self.state.selections.clear();
         self.state.hidden.show_all();
         self.state.inspection.view = RayView { origin: None, ..self.state.inspection.view };
+        self.state.tree_view.figure = step.colors;
         for panel in step.panels {
             self.layout.show(*panel, true);
         }
@@ -234,6 +241,7 @@ impl Target<'_> {
 
     /// Sets up the rest of a step once its tree is there.
     pub(super) fn go_on_with_tour(&mut self) {
+        self.choose_ray();
         let Some(touring) = self.state.touring.as_ref().filter(|touring| touring.pending) else { return };
         let (tour, step) = (touring.tour(), touring.step());
         if !has_tree_of(self.state, tour.scene) {
@@ -248,12 +256,32 @@ impl Target<'_> {
             Some(Spot::Root) => self.select(Pick::Node(NodeId(0)), false),
             Some(Spot::Pixel([x, y])) => {
                 let size = self.state.picture_size().unwrap_or([0, 0]);
-                let pixel =
-                    |share: f32, size: u32| ((share * size as f32) as u32).min(size.saturating_sub(1));
-                self.go_to_pixel([pixel(x, size[0]), pixel(y, size[1])]);
+                let height = size[1] as f32;
+                let pixel = |from_middle: f32, size: u32| {
+                    ((0.5 * size as f32 + from_middle * height) as u32).min(size.saturating_sub(1))
+                };
+                let pixel = [pixel(x, size[0]), pixel(y, size[1])];
+                self.go_to_pixel(pixel);
+                if let Some(touring) = &mut self.state.touring {
+                    touring.ray_of = Some(pixel);
+                }
             }
         }
         self.changed();
+    }
+}
+
+impl Target<'_> {
+    /// Chooses the ray that a step is about, once the rays of its pixel are known.
+    fn choose_ray(&mut self) {
+        let Some(touring) = &mut self.state.touring else { return };
+        let inspection = &mut self.state.inspection;
+        let (Some(wanted), Some(found)) = (touring.ray_of, &inspection.found) else { return };
+        if matches!(found.key.asked, RaysAsked::Pixel(question) if question.pixel == wanted) {
+            let last = found.rays.len().saturating_sub(1);
+            inspection.view = RayView { chosen: last.min(1), step: 0, ..inspection.view };
+            touring.ray_of = None;
+        }
     }
 }
 

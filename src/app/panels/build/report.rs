@@ -161,6 +161,7 @@ mod tests {
             number,
             tree: None,
             config: BuildConfig::default(),
+            time: 0.0,
             scene: scene.to_owned(),
             build_ms: 1.0,
             sah_cost: None,

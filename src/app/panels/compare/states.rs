@@ -274,7 +274,8 @@ fn about(view: &AppView, index: usize) -> Vec<String> {
     let scene = view.scene.map_or("", |scene| &*scene.name);
     let known = view.history.iter().rev().find(|entry| {
         !is_pinned(view.session, index)
-            && (entry.config, &entry.tree, &*entry.scene) == (state.build, &state.tree, scene)
+            && (entry.config, &entry.tree, &*entry.scene, entry.time)
+                == (state.build, &state.tree, scene, view.session.time)
     });
     let figures = known.map(|entry| {
         let (bytes, unit) = numbers::bytes(entry.bytes);
