@@ -1,6 +1,6 @@
 //! The keys of the actions, and the page that lists them. No key does anything while a text field has the focus.
 
-use egui::{Event, Key, KeyboardShortcut, Ui};
+use egui::{Event, Key, KeyboardShortcut, ScrollArea, Ui};
 
 use super::actions::{Action, Around, Group, Info};
 
@@ -49,36 +49,41 @@ pub fn read(ui: &Ui, around: &Around) -> Vec<Action> {
 
 /// The page, in a window of its own.
 pub fn page(ui: &Ui, around: &Around, open: &mut bool) {
-    let middle = ui.ctx().content_rect().center();
+    let room = ui.ctx().content_rect();
     egui::Window::new("Shortcuts")
         .open(open)
-        .default_pos(middle - egui::vec2(330.0, 250.0))
+        .pivot(egui::Align2::CENTER_CENTER)
+        .default_pos(room.center())
         .resizable(false)
         .collapsible(false)
         .show(ui.ctx(), |ui| {
-            ui.horizontal_top(|ui| {
-                let halves: [&[Group]; 2] = [
-                    &[Group::File, Group::Edit, Group::Window, Group::Tree, Group::Learn],
-                    &[Group::Camera, Group::Select, Group::Rays, Group::Picture],
-                ];
-                for (half, groups) in halves.into_iter().enumerate() {
-                    egui::Grid::new(("shortcuts", half)).num_columns(2).spacing([20.0, 5.0]).show(ui, |ui| {
-                        if half == 1 {
-                            section(
-                                ui,
-                                "In the viewport",
-                                IN_THE_VIEWPORT.map(|(key, what)| (key.into(), what.into())).to_vec(),
-                            );
-                        }
-                        for group in groups {
-                            section(ui, group.name(), lines(ui, around, *group));
-                        }
-                    });
-                    ui.add_space(18.0);
-                }
+            // A low window scrolls.
+            ScrollArea::vertical().max_height(room.height() - 90.0).show(ui, |ui| {
+                ui.horizontal_top(|ui| halves(ui, around));
             });
             ui.weak("Ctrl + P finds every action by its name, also those without a key.");
         });
+}
+
+/// All keys, in two columns of about the same height.
+fn halves(ui: &mut Ui, around: &Around) {
+    let halves: [&[Group]; 2] = [
+        &[Group::File, Group::Edit, Group::Window, Group::Tree, Group::Learn, Group::Rays],
+        &[Group::Camera, Group::Select, Group::Picture],
+    ];
+    for (half, groups) in halves.into_iter().enumerate() {
+        let grid = egui::Grid::new(("shortcuts", half)).num_columns(2);
+        grid.min_row_height(16.0).spacing([20.0, 3.0]).show(ui, |ui| {
+            if half == 1 {
+                let mouse = IN_THE_VIEWPORT.map(|(key, what)| (key.into(), what.into()));
+                section(ui, "In the viewport", mouse.to_vec());
+            }
+            for group in groups {
+                section(ui, group.name(), lines(ui, around, *group));
+            }
+        });
+        ui.add_space(18.0);
+    }
 }
 
 fn section(ui: &mut Ui, heading: &str, lines: Vec<(String, String)>) {

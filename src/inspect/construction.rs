@@ -54,7 +54,7 @@ impl Construction {
         if !in_rounds || world.imported.is_some() {
             return Ok(Self::TopDown { inner_count: world.shown_tree().inner_count() });
         }
-        let root_area = f64::from(world.tree.bounds().area());
+        let root_area = f64::from(world.build_scene().bounds().area());
         let mut rounds = Vec::new();
         let mut kept = 0;
         let mut look = |round: crate::accel::build::Round| {

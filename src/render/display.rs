@@ -97,8 +97,9 @@ pub enum ColorScale {
 impl ColorScale {
     pub const ALL: [Self; 2] = [Self::Linear, Self::Log];
 
-    /// How far apart, as a factor, the logarithmic scale tells numbers at the upper end from those at the lower: three decades.
-    const SPAN: f32 = 1000.0;
+    /// The range over the number up to which the logarithmic scale is nearly linear: two decades. With three, what is a tenth
+    /// of the range stands at two thirds, and heatmaps of small counts are bright all over.
+    const SPAN: f32 = 100.0;
 
     pub fn name(self) -> &'static str {
         match self {
@@ -111,13 +112,13 @@ impl ColorScale {
         match self {
             Self::Linear => "equal steps of the number are equal steps of colour",
             Self::Log => {
-                "logarithmic over three decades of the range: small numbers stand apart beside a few large ones"
+                "logarithmic over two decades of the range: small numbers stand apart beside a few large ones"
             }
         }
     }
 
     /// Where a number stands: 0 at the lower end of the range, 1 at the upper. Logarithmic it is
-    /// `ln(1 + 1000 s) / ln 1001` with s the linear place, so that a range may begin at 0 or below.
+    /// `ln(1 + 100 s) / ln 101` with s the linear place, so that a range may begin at 0 or below.
     #[inline]
     pub fn place(self, value: f32, [low, high]: [f32; 2]) -> f32 {
         let share = (value - low) / (high - low).max(f32::MIN_POSITIVE);
@@ -368,13 +369,13 @@ mod tests {
                 assert!((there - place).abs() < 1e-4, "{scale:?} {place} {there}");
             }
         }
-        // A decade is about a third, as at 10 of 1000: ln(11) / ln(1001).
-        assert!((ColorScale::Log.place(10.0, range) - 0.34708).abs() < 1e-4);
+        // At a tenth: ln(11) / ln(101).
+        assert!((ColorScale::Log.place(100.0, range) - 0.51957).abs() < 1e-4);
         let settings = DisplaySettings { range: Some(range), scale: ColorScale::Log, ..Default::default() };
-        let shown = pixels(&numbers(View::BoxTests, &[0.0, 10.0, 1000.0, -5.0, 5000.0]), &settings);
+        let shown = pixels(&numbers(View::BoxTests, &[0.0, 100.0, 1000.0, -5.0, 5000.0]), &settings);
         let map = |t| settings.colormap.color(t);
         assert_eq!((shown[0], shown[2], shown[3], shown[4]), (map(0.0), map(1.0), map(0.0), map(1.0)));
-        assert!(shown[1].iter().zip(map(0.34708)).all(|(a, b)| a.abs_diff(b) <= 2));
+        assert!(shown[1].iter().zip(map(0.51957)).all(|(a, b)| a.abs_diff(b) <= 2));
     }
 
     #[test]

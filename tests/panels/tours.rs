@@ -24,6 +24,10 @@ fn check_step(window: &mut Window, tour: usize, step: usize) {
         assert!(state.picture(slot).is_some(), "{}: picture {slot} is missing", wanted.title);
     }
     assert_eq!(wanted.selects_something(), state.selections.current().is_some(), "{}", wanted.title);
+    let inspection = &state.inspection;
+    if let Some(found) = inspection.found.as_ref().filter(|_| tour == 4) {
+        assert_eq!((found.rays.len(), inspection.view.chosen), (2, 1), "the shadow ray is looked at");
+    }
     window.get_by_label(wanted.title);
     window.get_by_label(wanted.text);
 }

@@ -93,12 +93,23 @@ impl Info {
 
     /// Its first shortcut; empty if it has none.
     pub fn key_text(&self, ui: &Ui) -> String {
-        self.keys.first().map_or_else(String::new, |key| ui.ctx().format_shortcut(key))
+        self.keys.first().map_or_else(String::new, |key| text(ui, key))
     }
 
     /// All of its shortcuts.
     pub fn keys_text(&self, ui: &Ui) -> String {
-        let keys: Vec<String> = self.keys.iter().map(|key| ui.ctx().format_shortcut(key)).collect();
+        let keys: Vec<String> = self.keys.iter().map(|key| text(ui, key)).collect();
         keys.join(", ")
+    }
+}
+
+/// A shortcut as it is printed on the keys: `[` instead of `OpenBracket`.
+fn text(ui: &Ui, shortcut: &KeyboardShortcut) -> String {
+    let text = ui.ctx().format_shortcut(shortcut);
+    let key = shortcut.logical_key;
+    match key.symbol_or_name() {
+        // Arrows and the like are better told by their names: not every font has them.
+        symbol if symbol.len() == 1 => text.replace(key.name(), symbol),
+        _ => text,
     }
 }

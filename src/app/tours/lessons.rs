@@ -55,15 +55,15 @@ pub const TOURS: [Tour; 6] = [
             },
             Step {
                 title: "The root's cut",
-                text: "This is the tree by median again, and its root is selected. The curves in the \
-                       panel Splits are the split costs of all cuts of it; the mark is the cut that was \
-                       made. It lies in the middle of the row, wherever the curves have their lowest \
-                       point. Click the root's children in the panel Tree: every cut below wastes a \
-                       little more.",
+                text: "This is the tree by median again, and its root is selected. The curve in the panel \
+                       Splits is the split cost of all cuts of it across x, its longest axis; the line is \
+                       the cut that was made. It lies in the middle of the row, wherever the curve has \
+                       its lowest point. Click the root's children in the panel Tree: every cut below \
+                       wastes a little more.",
                 flags: "--builder median --width 2 --view nodes-visited",
                 beside: None,
                 panels: &[PanelKind::Cost, PanelKind::Splits],
-                selects: Some(Spot::Root),
+                selects: Some(Spot::Root(0)),
                 colors: NodeFigure::Overlap,
             },
         ],
@@ -77,13 +77,13 @@ pub const TOURS: [Tour; 6] = [
                 title: "Eight bins",
                 text: "Trying every cut takes long. The builder binned sorts shapes into bins instead, \
                        and looks only at the planes between them: seven an axis here. In the panel Splits \
-                       the curves are the costs of all cuts of the root, the points those that eight bins \
-                       see. The cheapest point costs half as much again as the lowest place of the curve: \
-                       that is what bins miss.",
+                       the curve is the cost of all cuts of the root across y, the points are those that \
+                       eight bins see. The lowest place of the curve lies between two of them: that is \
+                       what bins miss, and on no other axis is there one as good.",
                 flags: "--builder binned --bins 8 --width 2 --view path",
                 beside: None,
                 panels: &[PanelKind::Splits],
-                selects: Some(Spot::Root),
+                selects: Some(Spot::Root(1)),
                 colors: NodeFigure::Overlap,
             },
             Step {
@@ -95,7 +95,7 @@ pub const TOURS: [Tour; 6] = [
                 flags: "--builder binned --bins 32 --width 2 --view path",
                 beside: None,
                 panels: &[PanelKind::Splits],
-                selects: Some(Spot::Root),
+                selects: Some(Spot::Root(1)),
                 colors: NodeFigure::Overlap,
             },
             Step {
@@ -159,7 +159,7 @@ pub const TOURS: [Tour; 6] = [
                 flags: "--builder binned --width 8 --view leaf-fill",
                 beside: None,
                 panels: &[PanelKind::Cost, PanelKind::Tree],
-                selects: Some(Spot::Root),
+                selects: Some(Spot::Root(0)),
                 colors: NodeFigure::Fill,
             },
         ],
@@ -190,7 +190,7 @@ pub const TOURS: [Tour; 6] = [
                 flags: "--builder binned --width 2 --view parent-overlap",
                 beside: None,
                 panels: &[PanelKind::Tree],
-                selects: Some(Spot::Root),
+                selects: Some(Spot::Root(0)),
                 colors: NodeFigure::Overlap,
             },
             Step {

@@ -10,6 +10,7 @@ use super::jobs::TreeKey;
 use super::jobs::load::Source;
 use super::panels::PanelKind;
 use super::selection::Pick;
+use super::splitting::SplitView;
 use super::state::State;
 use crate::accel::NodeId;
 use crate::render::View;
@@ -59,7 +60,8 @@ enum Beside {
 /// What a step selects.
 #[derive(Clone, Copy, Debug)]
 enum Spot {
-    Root,
+    /// The root, and the axis that the panel Splits shows of it.
+    Root(usize),
     /// What a pixel shows, with the second of its rays: to the right of the middle and below it, in heights of the picture.
     Pixel([f32; 2]),
 }
@@ -253,7 +255,11 @@ impl Target<'_> {
         self.state.compare = step.compare();
         match step.selects {
             None => {}
-            Some(Spot::Root) => self.select(Pick::Node(NodeId(0)), false),
+            Some(Spot::Root(axis)) => {
+                self.select(Pick::Node(NodeId(0)), false);
+                let splitting = &mut self.state.splitting;
+                splitting.set(SplitView { axis, hovered: None, ..splitting.view });
+            }
             Some(Spot::Pixel([x, y])) => {
                 let size = self.state.picture_size().unwrap_or([0, 0]);
                 let height = size[1] as f32;

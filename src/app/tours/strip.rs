@@ -35,7 +35,16 @@ pub fn ui(ui: &mut Ui, around: &Around, commands: &mut Commands) {
                 }
             });
         });
-        ui.label(step.text);
+        // As high for all steps of a tour: the picture keeps its size, and its pixels their places.
+        let width = ui.available_width();
+        let font = egui::TextStyle::Body.resolve(ui.style());
+        let color = ui.visuals().text_color();
+        let height = |text: &str| ui.painter().layout(text.to_owned(), font.clone(), color, width).size().y;
+        let highest = tour.steps.iter().map(|step| height(step.text)).fold(0.0, f32::max);
+        ui.allocate_ui(egui::vec2(width, highest), |ui| {
+            ui.set_min_height(highest);
+            ui.label(step.text);
+        });
     });
 }
 

@@ -117,6 +117,7 @@ impl Column {
                     | "stop"
                     | "improver"
                     | "layout"
+                    | "update"
                     | "tree_file"
                     | "count"
             )
