@@ -202,21 +202,14 @@ impl App {
         {
             let view = self.state.view();
             let commands = &mut self.commands;
-            Panel::top("menu").frame(frame).show_separator_line(false).show(ui, |ui| {
-                let around = Around {
-                    view: &view,
-                    layout: &self.layout,
-                    undo: &self.undo,
-                    reopens: self.state.reopen_at_start,
-                };
-                menu::ui(ui, &around, commands);
-            });
             let around = Around {
                 view: &view,
                 layout: &self.layout,
                 undo: &self.undo,
                 reopens: self.state.reopen_at_start,
             };
+            let menu = Panel::top("menu").frame(frame).show_separator_line(false);
+            menu.show(ui, |ui| menu::ui(ui, &around, commands));
             tours::ui(ui, &around, commands);
             Panel::top("toolbar").frame(frame).show(ui, |ui| toolbar::ui(ui, &view, commands));
             Panel::bottom("status").frame(frame).show(ui, |ui| status::line(ui, &view, commands));

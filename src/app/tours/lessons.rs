@@ -77,9 +77,9 @@ pub const TOURS: [Tour; 6] = [
                 title: "Eight bins",
                 text: "Trying every cut takes long. The builder binned sorts shapes into bins instead, \
                        and looks only at the planes between them: seven an axis here. In the panel Splits \
-                       the curve is the cost of all cuts of the root across y, the points are those that \
-                       eight bins see. The lowest place of the curve lies between two of them: that is \
-                       what bins miss, and on no other axis is there one as good.",
+                       the curve is the cost of all cuts of the root across y, the orange points are \
+                       those that eight bins see. The lowest place of the curve lies before the first of \
+                       them: that is what bins miss. The lines below the plot say how much.",
                 flags: "--builder binned --bins 8 --width 2 --view path",
                 beside: None,
                 panels: &[PanelKind::Splits],
