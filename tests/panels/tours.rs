@@ -36,6 +36,7 @@ fn check_step(window: &mut Window, tour: usize, step: usize) {
 fn every_tour_can_be_taken_to_its_end_and_back() {
     let mut window = window("cornell", SIZE);
     let before = window.state().state().session.clone();
+    let colors = window.state().state().tree_view.figure;
     for (index, tour) in TOURS.iter().enumerate() {
         take(&mut window, index);
         for step in 0..tour.steps.len() {
@@ -57,6 +58,7 @@ fn every_tour_can_be_taken_to_its_end_and_back() {
     settle(&mut window);
     let state = window.state().state();
     assert!(state.touring.is_none() && state.compare.is_none());
+    assert_eq!(state.tree_view.figure, colors);
     assert_eq!(state.session.scene.reference, before.scene.reference);
     assert_eq!((state.session.variants.clone(), state.session.view), (before.variants, before.view));
 }

@@ -66,13 +66,19 @@ enum Spot {
     Pixel([f32; 2]),
 }
 
+/// What was shown before a tour.
+struct Before {
+    session: Session,
+    compare: Option<CompareViews>,
+    /// Of the icicle plot.
+    colors: NodeFigure,
+}
+
 /// A tour that somebody takes.
 pub struct Touring {
     tour: usize,
     step: usize,
-    /// What was shown before it.
-    before: Session,
-    compare_before: Option<CompareViews>,
+    before: Before,
     /// The step is not set up whole: its tree is not there yet.
     pending: bool,
     /// The pixel whose second ray is to be chosen, once its rays are known.
@@ -121,7 +127,7 @@ impl Touring {
 
     /// The session of before, which is to be kept from one run to the next.
     pub fn before(&self) -> &Session {
-        &self.before
+        &self.before.session
     }
 }
 
@@ -183,12 +189,15 @@ impl Target<'_> {
                     return;
                 }
                 // From one tour to another what was shown before the first is kept.
-                let (before, compare_before) = match self.state.touring.take() {
-                    Some(touring) => (touring.before, touring.compare_before),
-                    None => (self.state.session.clone(), self.state.compare),
+                let before = match self.state.touring.take() {
+                    Some(touring) => touring.before,
+                    None => Before {
+                        session: self.state.session.clone(),
+                        compare: self.state.compare,
+                        colors: self.state.tree_view.figure,
+                    },
                 };
-                self.state.touring =
-                    Some(Touring { tour, step: 0, before, compare_before, pending: true, ray_of: None });
+                self.state.touring = Some(Touring { tour, step: 0, before, pending: true, ray_of: None });
                 self.set_up();
             }
             Go::On | Go::Back => {
@@ -203,9 +212,10 @@ impl Target<'_> {
             }
             Go::Leave => self.state.touring = None,
             Go::End => {
-                let Some(Touring { before, compare_before, .. }) = self.state.touring.take() else { return };
-                self.show_session(before);
-                self.state.compare = compare_before;
+                let Some(Touring { before, .. }) = self.state.touring.take() else { return };
+                self.show_session(before.session);
+                self.state.compare = before.compare;
+                self.state.tree_view.figure = before.colors;
             }
         }
     }
