@@ -1,10 +1,8 @@
 //! `bvhscope animate`: a range of time or a turn of the camera as pictures in a row, without a window.
 
-use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::anyhow;
-use clap::builder::ValueParser;
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
@@ -24,14 +22,7 @@ pub fn command() -> Command {
     };
     Command::new("animate")
         .about("A range of time or a turn of the camera, as files in a row or one animated file")
-        .arg(
-            Arg::new("out")
-                .long("out")
-                .value_name("FILE")
-                .required(true)
-                .value_parser(ValueParser::path_buf())
-                .help("Where to: frame-####.png for a file a frame, or an animated .png or .gif"),
-        )
+        .arg(args::out("Where to: frame-####.png for a file a frame, or an animated .png or .gif"))
         .arg(
             number("frames", "N", "Frames; by default as many as time takes to pass, or 4 seconds of a turn")
                 .value_parser(value_parser!(u32).range(1..=i64::from(Frames::MOST))),
@@ -64,7 +55,7 @@ pub fn command() -> Command {
 
 pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
     let session = args::session(matches)?;
-    let out = matches.get_one::<PathBuf>("out").expect("clap requires --out");
+    let out = args::out_path(matches);
     let format = FrameFormat::of(out)
         .map_err(|error| args::usage(ErrorKind::ValueValidation, format!("--out: {error}")))?;
     let frames = frames(matches)?;

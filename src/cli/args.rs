@@ -114,6 +114,21 @@ fn flag_arg(flag: &'static Flag) -> Arg {
     arg.value_parser(PossibleValuesParser::new(values))
 }
 
+/// The flag `--out` of commands that write one file.
+pub fn out(help: &'static str) -> Arg {
+    Arg::new("out")
+        .long("out")
+        .value_name("FILE")
+        .required(true)
+        .value_parser(ValueParser::path_buf())
+        .help(help)
+}
+
+/// The path that [`out`] was given.
+pub fn out_path(matches: &ArgMatches) -> &PathBuf {
+    matches.get_one("out").expect("clap requires --out")
+}
+
 /// The session that the command line describes: defaults, then a session's file, then the scene, then the flags.
 pub fn session(matches: &ArgMatches) -> Result<Session, CliError> {
     let file = matches.get_one::<PathBuf>("session");

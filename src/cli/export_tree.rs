@@ -1,10 +1,7 @@
 //! `bvhscope export-tree`: a tree for other programs.
 
-use std::path::PathBuf;
-
-use clap::builder::ValueParser;
 use clap::error::ErrorKind;
-use clap::{Arg, ArgMatches, Command};
+use clap::{ArgMatches, Command};
 
 use super::workshop::Workshop;
 use super::{CliError, args, output};
@@ -14,18 +11,11 @@ use crate::export::tree_file::{is_tree_path, save};
 pub fn command() -> Command {
     Command::new("export-tree")
         .about("Writes a tree for other programs, with the triangles it is over: see docs/tree-format.md")
-        .arg(
-            Arg::new("out")
-                .long("out")
-                .value_name("FILE")
-                .required(true)
-                .value_parser(ValueParser::path_buf())
-                .help("The file to write: .npz, or .json to be read by people"),
-        )
+        .arg(args::out("The file to write: .npz, or .json to be read by people"))
 }
 
 pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
-    let path = matches.get_one::<PathBuf>("out").expect("clap asks for it");
+    let path = args::out_path(matches);
     if !is_tree_path(path) {
         let message = format!("--out {}: a tree is written as .npz or .json", path.display());
         return Err(args::usage(ErrorKind::ValueValidation, message));

@@ -1,9 +1,8 @@
 //! `bvhscope render`: one picture, or its raw numbers, without a window.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
-use clap::builder::ValueParser;
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use image::RgbaImage;
@@ -47,14 +46,7 @@ impl Format {
 pub fn command() -> Command {
     Command::new("render")
         .about("One picture without a window, or the raw numbers behind it")
-        .arg(
-            Arg::new("out")
-                .long("out")
-                .value_name("FILE")
-                .required(true)
-                .value_parser(ValueParser::path_buf())
-                .help("Where to: .png for the picture, .exr or .csv for raw numbers or linear colours"),
-        )
+        .arg(args::out("Where to: .png for the picture, .exr or .csv for raw numbers or linear colours"))
         .arg(
             Arg::new("legend")
                 .long("legend")
@@ -65,7 +57,7 @@ pub fn command() -> Command {
 
 pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
     let session = args::session(matches)?;
-    let out = matches.get_one::<PathBuf>("out").expect("clap requires --out");
+    let out = args::out_path(matches);
     let format = Format::of(out).ok_or_else(|| {
         let message = format!("--out '{}': the file must end in .png, .exr or .csv", out.display());
         args::usage(ErrorKind::ValueValidation, message)

@@ -1,10 +1,8 @@
 //! `bvhscope report`: a session as one page of HTML.
 
-use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::anyhow;
-use clap::builder::ValueParser;
 use clap::{Arg, ArgAction, ArgMatches, Command};
 
 use super::workshop::Workshop;
@@ -17,14 +15,7 @@ use crate::task::Task;
 pub fn command() -> Command {
     Command::new("report")
         .about("Pictures, figures, plots and settings as one page of HTML")
-        .arg(
-            Arg::new("out")
-                .long("out")
-                .value_name("FILE")
-                .required(true)
-                .value_parser(ValueParser::path_buf())
-                .help("Where to: an .html file that needs nothing but itself"),
-        )
+        .arg(args::out("Where to: an .html file that needs nothing but itself"))
         .arg(
             Arg::new("table")
                 .long("table")
@@ -35,7 +26,7 @@ pub fn command() -> Command {
 
 pub fn run(matches: &ArgMatches) -> Result<(), CliError> {
     let session = args::session(matches)?;
-    let out = matches.get_one::<PathBuf>("out").expect("clap requires --out");
+    let out = args::out_path(matches);
     atomic::check_writable(out)?;
     let start = Instant::now();
     let workshop = Workshop::open(session)?;

@@ -1,18 +1,16 @@
 //! The one list of what a user can ask for. Menus, keys, the page of shortcuts and the command palette are made from it.
 //!
 //! A new action is a variant, its place in [`Action::PLAIN`] (or a family in [`Action::all`]), an arm in
-//! [`Action::info`] and one in [`Action::command`]. What it does stays in `apply`: an action only names a [`Command`].
+//! [`Action::info`] and one in [`Action::command`]. What it does stays in `apply`: an action only names a [`Command`](super::commands::Command).
 
+mod command;
 mod info;
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
-use super::commands::{Asked, Command, Hide};
-use super::inspection::RayView;
 use super::layout::{Layout, Pane};
 use super::panels::PanelKind;
-use super::selection::Go;
-use super::tours::{self, TOURS, Touring};
+use super::tours::{TOURS, Touring};
 use super::undo::Undo;
 use super::view::AppView;
 use crate::accel::Builder;
@@ -20,6 +18,7 @@ use crate::render::{ColorMap, View, ViewClass};
 use crate::scene::SceneRef;
 use crate::scene::builtin::SCENES;
 
+pub use command::{show_view, toggle_boxes};
 pub use info::{Group, Info};
 
 /// What actions look at: the state of the program, never changed by them.
@@ -420,71 +419,6 @@ impl Action {
             }
         }
     }
-
-    /// What it asks for, as things stand.
-    pub fn command(self, around: &Around) -> Command {
-        let Around { view, .. } = around;
-        match self {
-            Self::Open => Command::AskOpen,
-            Self::ImportTree => Command::AskImport,
-            Self::SaveSession => super::menu::ask_save_session(view),
-            Self::Export => Command::ShowPanel { panel: PanelKind::Export, shown: true },
-            Self::Quit => Command::Ask(Asked::Quit),
-            Self::Undo => Command::Ask(Asked::Undo),
-            Self::Redo => Command::Ask(Asked::Redo),
-            Self::CopyCamera => Command::Ask(Asked::CopyCamera),
-            Self::PasteCamera => Command::Ask(Asked::PasteCamera),
-            Self::FrameSelection => Command::FrameSelection,
-            Self::FrameScene => Command::FrameScene,
-            Self::GoUp => Command::GoSelection(Go::Up),
-            Self::GoDown => Command::GoSelection(Go::Down),
-            Self::GoBack => Command::GoSelection(Go::Back),
-            Self::GoForward => Command::GoSelection(Go::Forward),
-            Self::Deselect => Command::ClearSelection,
-            Self::HideSelection => Command::Hide(Hide::Selected),
-            Self::ShowSelectionOnly => Command::Hide(Hide::Others),
-            Self::ShowAll => Command::Hide(Hide::Nothing),
-            Self::NextRay => Command::StepRay { forward: true },
-            Self::PreviousRay => Command::StepRay { forward: false },
-            Self::StepOn => step_to(view, |step, count| (step + 1).min(count)),
-            Self::StepBack => step_to(view, |step, _| step.saturating_sub(1)),
-            Self::ResetCamera => Command::ResetCamera,
-            Self::AddBookmark => Command::Ask(Asked::AddBookmark),
-            Self::Pause => Command::SetPaused(!view.render.paused),
-            Self::Boxes => toggle_boxes(),
-            Self::Animate => Command::SetAnimating(!view.animating),
-            Self::EndComparison => Command::SetCompareViews(None),
-            Self::FalseShadow => Command::ShadowPreset,
-            Self::Ground => Command::Edit(Box::new(|session| session.ground = !session.ground)),
-            Self::MeasureTable => Command::Ask(Asked::MeasureTable),
-            Self::TourOn => Command::Ask(Asked::Tour(tours::Go::On)),
-            Self::TourBack => Command::Ask(Asked::Tour(tours::Go::Back)),
-            Self::LeaveTour => Command::Ask(Asked::Tour(tours::Go::Leave)),
-            Self::EndTour => Command::Ask(Asked::Tour(tours::Go::End)),
-            Self::TakeTour(index) => Command::Ask(Asked::Tour(tours::Go::Begin(index))),
-            Self::Palette => Command::Ask(Asked::Palette),
-            Self::Shortcuts => Command::Ask(Asked::Shortcuts),
-            Self::Dark => Command::SetDark(true),
-            Self::Light => Command::SetDark(false),
-            Self::ResetLayout => Command::ResetLayout,
-            Self::ReopenAtStart => Command::Ask(Asked::ReopenAtStart(!around.reopens)),
-            Self::OpenBuiltin(index) => Command::OpenScene(SceneRef::Builtin(SCENES[index].0.to_owned())),
-            // The list may have become shorter meanwhile; then what is open is opened again.
-            Self::OpenRecent(index) => {
-                Command::OpenScene(view.recent.get(index).unwrap_or(&view.session.scene.reference).clone())
-            }
-            Self::GoToBookmark(index) => {
-                Command::Edit(Box::new(move |session| session.go_to_bookmark(index)))
-            }
-            Self::ShowView(shown) => show_view(shown),
-            Self::UseBuilder(builder) => Command::Edit(Box::new(move |session| {
-                session.set_tree(None);
-                session.build_mut().builder = builder;
-            })),
-            Self::UseColors(map) => Command::Edit(Box::new(move |session| session.display.colormap = map)),
-            Self::ShowPanel(panel) => Command::ShowPanel { panel, shown: !around.layout.is_showing(panel) },
-        }
-    }
 }
 
 impl Info {
@@ -495,28 +429,6 @@ impl Info {
             self.only_if(false, "No tour is taken: see the menu Learn")
         }
     }
-}
-
-/// Another step of the ray that is looked at.
-fn step_to(view: &AppView, next: fn(usize, usize) -> usize) -> Command {
-    let (step, count) = view.inspection.step();
-    let ray_view = RayView { step: next(step, count), playing: false, ..view.inspection.view };
-    Command::SetRayView(ray_view)
-}
-
-/// Boxes on, as they were, or off.
-pub fn toggle_boxes() -> Command {
-    Command::Edit(Box::new(|session| {
-        session.overlay.depths = match session.overlay.depths {
-            Some(_) => None,
-            None => Some(super::DEFAULT_BOXES),
-        };
-    }))
-}
-
-/// One view in the viewport.
-pub fn show_view(view: View) -> Command {
-    Command::Edit(Box::new(move |session| session.view = view))
 }
 
 /// A view's name for people.
@@ -531,68 +443,4 @@ pub fn title(view: View) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::app::state::State;
-    use crate::session::Session;
-
-    /// The actions of a program with bookmarks and recent scenes.
-    fn with_all(check: impl FnOnce(&Around)) {
-        let mut session = Session::default();
-        for _ in 0..12 {
-            session.add_bookmark(crate::scene::Camera::default()).expect("room");
-        }
-        let mut state = State::new(session, true);
-        state.remember_recent(&SceneRef::File("/models/sponza.obj".into()));
-        let (layout, undo) = (Layout::default(), Undo::default());
-        check(&Around { view: &state.view(), layout: &layout, undo: &undo, reopens: true });
-    }
-
-    #[test]
-    fn every_action_says_what_it_is_and_no_two_are_called_the_same() {
-        with_all(|around| {
-            let mut names: Vec<String> = Vec::new();
-            for action in Action::all(around) {
-                let info = action.info(around);
-                assert!(!info.name.is_empty() && !info.about.is_empty(), "{action:?}");
-                assert!(!info.about.ends_with('.'), "{action:?}: sentences of the list have no full stop");
-                let name = info.full_name();
-                assert!(!names.contains(&name), "{name} twice");
-                names.push(name);
-            }
-            assert!(names.len() > 60, "{}", names.len());
-        });
-    }
-
-    #[test]
-    fn no_two_actions_share_a_key_and_none_is_one_of_text_fields() {
-        with_all(|around| {
-            let mut keys = Vec::new();
-            for action in Action::all(around) {
-                for key in action.info(around).keys {
-                    assert!(!keys.contains(&key), "{action:?} takes a key that is taken: {key:?}");
-                    keys.push(key);
-                }
-            }
-            for key in [Key::C, Key::V, Key::X, Key::A] {
-                assert!(!keys.contains(&ctrl(key)), "Ctrl+{} belongs to text fields", key.name());
-            }
-            assert_eq!(
-                keys.iter()
-                    .filter(|key| key.modifiers == Modifiers::COMMAND && DIGITS.contains(&key.logical_key))
-                    .count(),
-                9
-            );
-        });
-    }
-
-    #[test]
-    fn what_needs_a_scene_says_so_while_there_is_none() {
-        with_all(|around| {
-            for action in [Action::FrameScene, Action::CopyCamera, Action::Animate, Action::Undo] {
-                assert!(action.info(around).obstacle.is_some(), "{action:?}");
-            }
-            assert!(Action::Open.info(around).obstacle.is_none());
-        });
-    }
-}
+mod tests;

@@ -20,10 +20,8 @@ pub const TOURS: [Tour; 6] = [
                        visits: the brighter, the slower. Keep the SAH cost in the panel Cost in mind, \
                        which predicts what a ray has to pay.",
                 flags: "--builder median --width 2 --view nodes-visited --range 0..120",
-                beside: None,
                 panels: &[PanelKind::Cost],
-                selects: None,
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
             Step {
                 title: "Cut where rays pay least",
@@ -32,10 +30,8 @@ pub const TOURS: [Tour; 6] = [
                        shapes in it. The colours mean the same numbers as before. The SAH cost is a third \
                        of what it was, and the picture is as much darker.",
                 flags: "--builder sweep --width 2 --view nodes-visited --range 0..120",
-                beside: None,
                 panels: &[PanelKind::Cost],
-                selects: None,
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
             Step {
                 title: "One minus the other",
@@ -50,8 +46,7 @@ pub const TOURS: [Tour; 6] = [
                     style: CompareStyle::Difference,
                 }),
                 panels: &[PanelKind::Compare],
-                selects: None,
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
             Step {
                 title: "The root's cut",
@@ -61,10 +56,9 @@ pub const TOURS: [Tour; 6] = [
                        its lowest point. Click the root's children in the panel Tree: every cut below \
                        wastes a little more.",
                 flags: "--builder median --width 2 --view nodes-visited",
-                beside: None,
                 panels: &[PanelKind::Cost, PanelKind::Splits],
                 selects: Some(Spot::Root(0)),
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
         ],
     },
@@ -81,10 +75,9 @@ pub const TOURS: [Tour; 6] = [
                        those that eight bins see. The lowest place of the curve lies before the first of \
                        them: that is what bins miss. The lines below the plot say how much.",
                 flags: "--builder binned --bins 8 --width 2 --view path",
-                beside: None,
                 panels: &[PanelKind::Splits],
                 selects: Some(Spot::Root(1)),
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
             Step {
                 title: "More bins",
@@ -93,10 +86,9 @@ pub const TOURS: [Tour; 6] = [
                        it: drag it down to 2 and up again. Hover a point to see the two boxes that it \
                        would make, in the viewport.",
                 flags: "--builder binned --bins 32 --width 2 --view path",
-                beside: None,
                 panels: &[PanelKind::Splits],
                 selects: Some(Spot::Root(1)),
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
             Step {
                 title: "What it is worth",
@@ -106,10 +98,8 @@ pub const TOURS: [Tour; 6] = [
                        are narrow. In the default scene four bins are nearly as good as all cuts. Drag \
                        Bins in the panel Build and watch.",
                 flags: "--builder binned --bins 16 --width 2 --view nodes-visited",
-                beside: None,
                 panels: &[PanelKind::Build, PanelKind::Cost],
-                selects: None,
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
         ],
     },
@@ -131,8 +121,7 @@ pub const TOURS: [Tour; 6] = [
                     style: CompareStyle::SideBySide,
                 }),
                 panels: &[PanelKind::Compare],
-                selects: None,
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
             Step {
                 title: "More boxes",
@@ -147,8 +136,7 @@ pub const TOURS: [Tour; 6] = [
                     style: CompareStyle::SideBySide,
                 }),
                 panels: &[PanelKind::Compare],
-                selects: None,
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
             Step {
                 title: "Empty places",
@@ -157,10 +145,10 @@ pub const TOURS: [Tour; 6] = [
                        each node is. Most of what is poorly filled lies near the leaves, where too few \
                        shapes are left to share out.",
                 flags: "--builder binned --width 8 --view leaf-fill",
-                beside: None,
                 panels: &[PanelKind::Cost, PanelKind::Tree],
                 selects: Some(Spot::Root(0)),
                 colors: NodeFigure::Fill,
+                ..Step::PLAIN
             },
         ],
     },
@@ -176,10 +164,8 @@ pub const TOURS: [Tour; 6] = [
                        apart, and rays enter box after box in which nothing is hit. The picture counts \
                        the shapes that each ray tests.",
                 flags: "--builder binned --width 2 --view shape-tests",
-                beside: None,
                 panels: &[PanelKind::Cost],
-                selects: None,
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
             Step {
                 title: "Overlap, node by node",
@@ -188,10 +174,9 @@ pub const TOURS: [Tour; 6] = [
                        that overlap most, at its end. Click one, and the two boxes are drawn in the \
                        picture.",
                 flags: "--builder binned --width 2 --view parent-overlap",
-                beside: None,
                 panels: &[PanelKind::Tree],
                 selects: Some(Spot::Root(0)),
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
             Step {
                 title: "Cut them up",
@@ -207,8 +192,7 @@ pub const TOURS: [Tour; 6] = [
                     style: CompareStyle::Difference,
                 }),
                 panels: &[PanelKind::Compare],
-                selects: None,
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
         ],
     },
@@ -223,10 +207,8 @@ pub const TOURS: [Tour; 6] = [
                        throws no black shadow. For that each shadow ray asks for the nearest hit, looks \
                        at its material, and goes on if light passes. It is right, and it is the slow way.",
                 flags: "--view whitted --shadow-rule glass --camera 0.1,1.75,2.8,-1.3,0.42,0.3,46",
-                beside: None,
                 panels: &[PanelKind::Shadows],
-                selects: None,
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
             Step {
                 title: "Stop at anything",
@@ -240,8 +222,7 @@ pub const TOURS: [Tour; 6] = [
                     CompareStyle::Wipe,
                 )),
                 panels: &[PanelKind::Shadows],
-                selects: None,
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
             Step {
                 title: "Where they differ",
@@ -249,10 +230,8 @@ pub const TOURS: [Tour; 6] = [
                        their colours. Dark only in occluded is the false shadow; dark only in intersect \
                        cannot happen, and a test of this program holds it at zero.",
                 flags: "--view shadow-difference --shadow-rule glass --camera 0.1,1.75,2.8,-1.3,0.42,0.3,46",
-                beside: None,
                 panels: &[PanelKind::Shadows],
-                selects: None,
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
             Step {
                 title: "Early out, and right",
@@ -262,10 +241,9 @@ pub const TOURS: [Tour; 6] = [
                        and see where each one stops. The colours are the nodes that intersect visits \
                        more.",
                 flags: "--view shadow-saving --shadow-rule glass --camera 0.1,1.75,2.8,-1.3,0.42,0.3,46",
-                beside: None,
                 panels: &[PanelKind::Shadows, PanelKind::Rays],
                 selects: Some(Spot::Pixel([-0.23, 0.18])),
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
         ],
     },
@@ -280,10 +258,8 @@ pub const TOURS: [Tour; 6] = [
                        the nodes, and only fits their boxes to where the shapes have gone. This is the \
                        tree at t = 0, before anything moves. Note the SAH cost in the panel Cost.",
                 flags: "--builder binned --width 2 --update refit --view nodes-visited --range 0..100",
-                beside: None,
                 panels: &[PanelKind::Scene, PanelKind::Cost],
-                selects: None,
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
             Step {
                 title: "A moment later",
@@ -292,10 +268,8 @@ pub const TOURS: [Tour; 6] = [
                        moved apart, and share a node still: boxes have grown into each other, and the SAH \
                        cost with them. Press T, or drag Time at the end of the panel Scene.",
                 flags: "--builder binned --width 2 --update refit --time 1.6 --view nodes-visited --range 0..100",
-                beside: None,
                 panels: &[PanelKind::Scene, PanelKind::Cost],
-                selects: None,
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
             Step {
                 title: "Against a new tree",
@@ -311,8 +285,7 @@ pub const TOURS: [Tour; 6] = [
                     style: CompareStyle::Difference,
                 }),
                 panels: &[PanelKind::Compare],
-                selects: None,
-                colors: NodeFigure::Overlap,
+                ..Step::PLAIN
             },
         ],
     },

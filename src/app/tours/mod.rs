@@ -132,6 +132,17 @@ impl Touring {
 }
 
 impl Step {
+    /// One picture, nothing selected: what a step says nothing of.
+    const PLAIN: Self = Self {
+        title: "",
+        text: "",
+        flags: "",
+        beside: None,
+        panels: &[],
+        selects: None,
+        colors: NodeFigure::Overlap,
+    };
+
     /// The session that the step shows, in the window of another.
     fn session(&self, scene: &str, window: &Session) -> Session {
         let reference = SceneRef::Builtin(scene.to_owned());
